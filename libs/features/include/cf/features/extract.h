@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "cf/base/options.h"
+#include "cf/types/feature_set.h"
+#include "cf/types/image_frame.h"
+
+namespace cf {
+
+struct FeatureOptions {
+  double megapixels = 1.0;  ///< size at which features are sought
+  int max_features = 2000;  ///< per photo, spread over a grid
+  double contrast = 0.006;  ///< SIFT's contrast threshold
+
+  void visit(OptionVisitor& v);
+};
+
+/// SIFT (Lowe 2004) with RootSIFT descriptors (Arandjelovic 2012), spread evenly: the strongest of
+/// each grid cell first. `frame.image` must be decoded. Deterministic.
+FeatureSet extractFeatures(const ImageFrame& frame, const FeatureOptions& options);
+
+}  // namespace cf
