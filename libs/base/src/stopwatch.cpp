@@ -17,7 +17,8 @@ double processCpuSeconds() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   const auto sum = [](const timeval& a, const timeval& b) {
-    return static_cast<double>(a.tv_sec + b.tv_sec) + 1e-6 * static_cast<double>(a.tv_usec + b.tv_usec);
+    return static_cast<double>(a.tv_sec + b.tv_sec) +
+           1e-6 * static_cast<double>(a.tv_usec + b.tv_usec);
   };
   return sum(usage.ru_utime, usage.ru_stime);
 }

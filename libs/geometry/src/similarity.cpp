@@ -81,7 +81,8 @@ Result<RobustAlignment> alignPointsRobust(const std::vector<Eigen::Vector3d>& a,
       }
     return result;
   };
-  const auto subsetOf = [&](const std::vector<Eigen::Vector3d>& all, const std::vector<char>& keep) {
+  const auto subsetOf = [&](const std::vector<Eigen::Vector3d>& all,
+                            const std::vector<char>& keep) {
     std::vector<Eigen::Vector3d> out;
     for (std::size_t i = 0; i < all.size(); ++i)
       if (keep[i]) out.push_back(all[i]);
