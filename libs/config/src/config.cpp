@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/config/config.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "cf/base/error.h"
+#include "edit_distance.h"
+#include "ini_file.h"
+#include "option_text.h"
+
+namespace cf {
+namespace {
+
+template <class Section>
+Section* findSection(std::vector<Section>& sections, const std::string& name) {
+  const auto it = std::find_if(sections.begin(), sections.end(),
+                               [&](const Section& s) { return s.name == name; });
+  return it == sections.end() ? nullptr : &*it;
+}
+
+template <class Section>
+auto findEntry(Section& section, const std::string& key) -> decltype(section.entries.data()) {
+  const auto it = std::find_if(section.entries.begin(), section.entries.end(),
+                               [&](const auto& e) { return e.key == key; });
+  return it == section.entries.end() ? nullptr : &*it;
+}
+
+template <class Section>
+void setEntry(std::vector<Section>& sections, const std::string& name, const std::string& key,
+              const std::string& value, const std::string& where) {
+  auto* section = findSection(sections, name);
+  if (section == nullptr) section = &sections.emplace_back(Section{name, where, {}});
+  if (auto* entry = findEntry(*section, key))
+    *entry = {key, value, where};
+  else
+    section->entries.push_back({key, value, where});
+}
+
+}  // namespace
+
+/// Fills one options struct from one section.
+class OptionReader : public OptionVisitor {
+ public:
+  OptionReader(Config& config, std::string section)
+      : config_(config), section_(std::move(section)) {}
+
+  void number(const char* key, double& value, Range range, const char*) override {
+    take(key, value, [&](const std::string& text) { return numberFromText(text, range); });
+    keep(key, numberText(value));
+  }
+  void integer(const char* key, int& value, Range range, const char*) override {
+    take(key, value, [&](const std::string& text) { return integerFromText(text, range); });
+    keep(key, fmt::format("{}", value));
+  }
+  void flag(const char* key, bool& value, const char*) override {
+    take(key, value, flagFromText);
+    keep(key, flagText(value));
+  }
+  void text(const char* key, std::string& value, const char*) override {
+    take(key, value, [](const std::string& text) { return Result<std::string>(text); });
+    keep(key, value);
+  }
+  void choice(const char* key, std::string& value, const std::vector<std::string>& allowed,
+              const char*) override {
+    take(key, value, [&](const std::string& text) { return choiceFromText(text, allowed); });
+    keep(key, value);
+  }
+
+ private:
+  template <class T, class Parse>
+  void take(const char* key, T& value, Parse parse) {
+    auto* section = findSection(config_.given_, section_);
+    const auto* entry = section == nullptr ? nullptr : findEntry(*section, key);
+    if (entry == nullptr) return;
+    auto parsed = parse(entry->value);
+    if (!parsed)
+      throw UsageError(fmt::format("{}: [{}] {} = {} {}", entry->where, section_, key,
+                                   entry->value.empty() ? "(nothing)" : entry->value,
+                                   parsed.failure().detail));
+    value = parsed.value();
+  }
+  void keep(const char* key, const std::string& value) {
+    setEntry(config_.loaded_, section_, key, value, {});
+  }
+
+  Config& config_;
+  std::string section_;
+};
+
+Config Config::fromFile(const std::filesystem::path& file) {
+  Config config(file);
+  for (const auto& section : readIniFile(file)) {
+    const auto where = [&](int line) { return fmt::format("{}:{}", file.string(), line); };
+    auto& given = config.given_.emplace_back(Section{section.name, where(section.line), {}});
+    for (const auto& entry : section.entries)
+      given.entries.push_back({entry.key, entry.value, where(entry.line)});
+  }
+  return config;
+}
+
+void Config::override(const std::string& assignment) {
+  const std::string where = "-s " + assignment;
+  const std::size_t equals = assignment.find('=');
+  const std::size_t dot =
+      equals == std::string::npos ? equals : assignment.substr(0, equals).rfind('.');
+  if (dot == std::string::npos) throw UsageError(where + ": write -s section.key=value");
+  const std::string section = trimmed(assignment.substr(0, dot));
+  const std::string key = trimmed(assignment.substr(dot + 1, equals - dot - 1));
+  const std::string value = trimmed(assignment.substr(equals + 1));
+  if (section.empty() || key.empty()) throw UsageError(where + ": write -s section.key=value");
+  if (withoutComment(value) != value || value.find('\n') != std::string::npos)
+    throw UsageError(where +
+                     ": a value must not hold a comment (blank, then #, ; or //) or a "
+                     "line break");
+  setEntry(given_, section, key, value, where);
+}
+
+void Config::loadWith(const std::string& section,
+                      const std::function<void(OptionVisitor&)>& visit) {
+  OptionReader reader(*this, section);
+  visit(reader);
+}
+
+std::vector<std::string> Config::sections(const std::string& prefix) const {
+  std::vector<std::string> names;
+  for (const auto& section : given_)
+    if (section.name.compare(0, prefix.size(), prefix) == 0) names.push_back(section.name);
+  return names;
+}
+
+void Config::rejectUnknown() const {
+  const auto names = [](const auto& things, auto name) {
+    std::vector<std::string> out;
+    for (const auto& thing : things) out.push_back(name(thing));
+    return out;
+  };
+  for (const auto& section : given_) {
+    const auto known = std::find_if(loaded_.begin(), loaded_.end(),
+                                    [&](const Section& s) { return s.name == section.name; });
+    if (known == loaded_.end())
+      throw UsageError(fmt::format(
+          "{}: section [{}] is not known{}", section.where, section.name,
+          suggestion(section.name, names(loaded_, [](const Section& s) { return s.name; }))));
+    for (const auto& entry : section.entries)
+      if (findEntry(*known, entry.key) == nullptr)
+        throw UsageError(fmt::format(
+            "{}: [{}] key '{}' is not known{}", entry.where, section.name, entry.key,
+            suggestion(entry.key, names(known->entries, [](const Entry& e) { return e.key; }))));
+  }
+}
+
+std::string Config::effectiveText() const {
+  std::string text;
+  for (const auto& section : loaded_) {
+    text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section.name);
+    for (const auto& entry : section.entries)
+      text += fmt::format("{} = {}\n", entry.key, entry.value);
+  }
+  return text;
+}
+
+std::filesystem::path Config::resolve(const std::filesystem::path& path) const {
+  return (std::filesystem::absolute(file_).parent_path() / path).lexically_normal();
+}
+
+}  // namespace cf
