@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "cf/geometry/rectification.h"
+#include "cf/types/depth_frame.h"
+#include "cf/types/map_point.h"
+
+namespace cf {
+
+struct DepthTriangulationOptions {
+  int stride = 1;            ///< take every stride-th pixel of every stride-th row
+  int min_confidence = 1;    ///< of 255
+  double disparity_sigma_px = 0.3;
+};
+
+/// The points of a depth frame with the poses and cameras as known now. Both rays of each match are
+/// turned from the rectified views to their photos; where a camera has been refined since matching,
+/// they go through the old model's distortion back to the photo's pixel and out through the new
+/// one. The point is the middle of the shortest segment between the two rays (world, metres).
+/// Weight: inverse variance along the reference ray [1/m^2] by sigma_Z = Z^2 / (f b) sigma_d, times
+/// confidence / 255. Rays that meet behind a camera or nowhere give no point.
+std::vector<MapPoint> triangulateDepth(const DepthFrame& frame, const PosedCamera& reference_now,
+                                       const PosedCamera& partner_now,
+                                       const DepthTriangulationOptions& options = {});
+
+/// RMS vertical disparity [px of the matched views] that the poses and cameras as known now predict
+/// for the frame's matches, from a sample of them. Zero where nothing has changed; above about 0.5
+/// px the pair should be matched again. Infinite where the pair has no baseline any more.
+double epipolarShiftPx(const DepthFrame& frame, const PosedCamera& reference_now,
+                       const PosedCamera& partner_now);
+
+}  // namespace cf
