@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "cf/base/error.h"
+#include "cf/evaluate/trajectory.h"
+
+namespace cf {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string estimate, reference;
+  std::string align;
+};
+
+std::string evaluateTrajectories(const Arguments& arguments) {
+  static const std::map<std::string, std::optional<AlignmentModel>> kModels = {
+      {"none", std::nullopt},
+      {"se3", AlignmentModel::kSe3},
+      {"sim3", AlignmentModel::kSim3},
+      {"yaw4", AlignmentModel::kYaw4}};
+  const bool folder = fs::is_directory(arguments.estimate);
+  if (folder != fs::is_directory(arguments.reference))
+    throw UsageError("trajectory: give two folders, OUTDIR REFDIR, or two files, EST.tum REF.tum");
+  const PosePairs pairs = folder ? pairByName(arguments.estimate, arguments.reference)
+                                 : pairByTime(arguments.estimate, arguments.reference);
+  return toJson(evaluateTrajectory(pairs, kModels.at(arguments.align)), arguments.align);
+}
+
+}  // namespace
+
+int runEval(int argc, char** argv) {
+  CLI::App app("Figures of merit of a run against a reference, as JSON on stdout", "cf-eval");
+  app.set_version_flag("--version", CF_VERSION);
+  app.require_subcommand(1);
+
+  Arguments trajectory{{}, {}, "se3"};
+  auto* trajectory_app = app.add_subcommand(
+      "trajectory", "Compare camera poses, joined by photo name (folders) or time (files)");
+  trajectory_app->add_option("EST", trajectory.estimate, "output folder of a run, or a TUM file")
+      ->required();
+  trajectory_app
+      ->add_option("REF", trajectory.reference,
+                   "reference folder with images.tsv and poses.tum, or a TUM file")
+      ->required();
+  trajectory_app->add_option("--align", trajectory.align, "se3 by default")
+      ->check(CLI::IsMember({"none", "se3", "sim3", "yaw4"}));
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
+    throw UsageError(std::string(e.what()) + " (see cf-eval --help)");
+  }
+  std::printf("%s\n", evaluateTrajectories(trajectory).c_str());
+  return 0;
+}
+
+}  // namespace cf

@@ -1,0 +1,10 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace cf {
+
+/// Parses `cf-eval trajectory|cloud …`, evaluates, prints JSON on stdout.
+int runEval(int argc, char** argv);
+
+}  // namespace cf

@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/formats/ply.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+#include "cf/base/error.h"
+
+namespace cf {
+namespace {
+
+constexpr char kHeaderStart[] = "ply\nformat binary_little_endian 1.0\nelement vertex ";
+constexpr char kHeaderEnd[] =
+    "property float x\nproperty float y\nproperty float z\n"
+    "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+/// The count and a comment that fills up to a fixed width, so that it can be patched in place.
+std::string countText(std::uint64_t count) {
+  const std::string digits = std::to_string(count);
+  return digits + "\ncomment ClusterFusion " + std::string(20 - digits.size(), '.') + "\n";
+}
+
+template <class T>
+double binaryNumber(std::ifstream& in) {
+  T value{};
+  in.read(reinterpret_cast<char*>(&value), sizeof(value));
+  return static_cast<double>(value);
+}
+
+/// Integer colours are 0..255, floating ones 0..1.
+std::uint8_t colourOf(double value, bool floating) {
+  return static_cast<std::uint8_t>(
+      std::clamp(std::round(floating ? 255 * value : value), 0., 255.));
+}
+
+}  // namespace
+
+PlyWriter::PlyWriter(const std::filesystem::path& path) : file_(path) {
+  const std::string start = kHeaderStart;
+  count_offset_ = start.size();
+  file_.write(start + countText(0) + kHeaderEnd);
+}
+
+void PlyWriter::add(const Eigen::Vector3f& position_m, const std::array<std::uint8_t, 3>& rgb) {
+  char record[15];
+  std::memcpy(record, position_m.data(), 12);
+  std::memcpy(record + 12, rgb.data(), 3);
+  file_.write(record, sizeof(record));
+  ++count_;
+}
+
+void PlyWriter::close() {
+  file_.overwrite(count_offset_, countText(count_));
+  file_.commit();
+}
+
+PlyReader::PlyReader(const std::filesystem::path& path) : path_(path), buffer_(1 << 20) {
+  in_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  in_.open(path, std::ios::binary);
+  if (!in_ || std::filesystem::is_directory(path)) fail("cannot be read");
+  const std::vector<Element> elements = readHeader();
+  const auto vertex = std::find_if(elements.begin(), elements.end(),
+                                   [](const Element& e) { return e.name == "vertex"; });
+  if (vertex == elements.end()) fail("has no vertex element");
+  const auto has = [&](Role role) {
+    return std::any_of(vertex->properties.begin(), vertex->properties.end(),
+                       [&](const Property& p) { return p.role == role && !p.list; });
+  };
+  if (!has(Role::kX) || !has(Role::kY) || !has(Role::kZ)) fail("its vertices have no x, y, z");
+  coloured_ = has(Role::kRed) && has(Role::kGreen) && has(Role::kBlue);
+  count_ = vertex->count;
+  vertex_ = vertex->properties;
+  for (auto e = elements.begin(); e != vertex; ++e)
+    for (std::uint64_t i = 0; i < e->count; ++i) readRecord(e->properties, nullptr);
+}
+
+void PlyReader::fail(const std::string& what) const {
+  throw RunError(path_.string() + ": " + what);
+}
+
+PlyReader::Type PlyReader::typeOf(const std::string& name) const {
+  static const std::vector<std::pair<std::string, Type>> kTypes = {
+      {"char", Type::kInt8},     {"int8", Type::kInt8},     {"uchar", Type::kUint8},
+      {"uint8", Type::kUint8},   {"short", Type::kInt16},   {"int16", Type::kInt16},
+      {"ushort", Type::kUint16}, {"uint16", Type::kUint16}, {"int", Type::kInt32},
+      {"int32", Type::kInt32},   {"uint", Type::kUint32},   {"uint32", Type::kUint32},
+      {"float", Type::kFloat},   {"float32", Type::kFloat}, {"double", Type::kDouble},
+      {"float64", Type::kDouble}};
+  for (const auto& [known, type] : kTypes)
+    if (known == name) return type;
+  fail("PLY header: unknown type '" + name + "'");
+}
+
+std::vector<PlyReader::Element> PlyReader::readHeader() {
+  static const std::vector<std::pair<std::string, Role>> kRoles = {
+      {"x", Role::kX},     {"y", Role::kY},         {"z", Role::kZ},
+      {"red", Role::kRed}, {"green", Role::kGreen}, {"blue", Role::kBlue},
+      {"r", Role::kRed},   {"g", Role::kGreen},     {"b", Role::kBlue}};
+  std::vector<Element> elements;
+  std::string line;
+  bool format_known = false;
+  for (bool first = true; std::getline(in_, line); first = false) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    std::istringstream words(line);
+    std::string keyword, word, name;
+    words >> keyword;
+    if (first) {
+      if (line != "ply") fail("is not a PLY file");
+    } else if (keyword == "format") {
+      words >> word;
+      if (word != "ascii" && word != "binary_little_endian")
+        fail("PLY format '" + word + "' is not read, ascii and binary_little_endian are");
+      ascii_ = word == "ascii";
+      format_known = true;
+    } else if (keyword == "element") {
+      Element element;
+      words >> element.name >> element.count;
+      if (!words) fail("PLY header: '" + line + "' is not understood");
+      elements.push_back(element);
+    } else if (keyword == "property") {
+      if (elements.empty()) fail("PLY header: '" + line + "' belongs to no element");
+      Property property;
+      words >> word;
+      property.list = word == "list";
+      if (property.list) {
+        words >> word;
+        property.count_type = typeOf(word);
+        words >> word;
+      }
+      property.type = typeOf(word);
+      words >> name;
+      for (const auto& [known, role] : kRoles)
+        if (known == name) property.role = role;
+      elements.back().properties.push_back(property);
+    } else if (keyword == "end_header") {
+      if (!format_known) fail("PLY header: has no format line");
+      return elements;
+    }
+  }
+  fail("PLY header: has no end");
+}
+
+double PlyReader::readNumber(Type type) {
+  if (ascii_) {
+    double value = 0;
+    in_ >> value;
+    return value;
+  }
+  switch (type) {
+    case Type::kInt8:
+      return binaryNumber<std::int8_t>(in_);
+    case Type::kUint8:
+      return binaryNumber<std::uint8_t>(in_);
+    case Type::kInt16:
+      return binaryNumber<std::int16_t>(in_);
+    case Type::kUint16:
+      return binaryNumber<std::uint16_t>(in_);
+    case Type::kInt32:
+      return binaryNumber<std::int32_t>(in_);
+    case Type::kUint32:
+      return binaryNumber<std::uint32_t>(in_);
+    case Type::kFloat:
+      return binaryNumber<float>(in_);
+    case Type::kDouble:
+      return binaryNumber<double>(in_);
+  }
+  return 0;
+}
+
+void PlyReader::readRecord(const std::vector<Property>& properties, PlyPoint* point) {
+  for (const Property& property : properties) {
+    if (property.list) {
+      const double length = readNumber(property.count_type);
+      for (double i = 0; i < length && in_; ++i) readNumber(property.type);
+      continue;
+    }
+    const double value = readNumber(property.type);
+    if (!point) continue;
+    const bool floating = property.type == Type::kFloat || property.type == Type::kDouble;
+    switch (property.role) {
+      case Role::kX:
+        point->position_m.x() = value;
+        break;
+      case Role::kY:
+        point->position_m.y() = value;
+        break;
+      case Role::kZ:
+        point->position_m.z() = value;
+        break;
+      case Role::kRed:
+        point->rgb[0] = colourOf(value, floating);
+        break;
+      case Role::kGreen:
+        point->rgb[1] = colourOf(value, floating);
+        break;
+      case Role::kBlue:
+        point->rgb[2] = colourOf(value, floating);
+        break;
+      case Role::kOther:
+        break;
+    }
+  }
+  if (!in_) fail("ends or is unreadable before its last vertex");
+}
+
+bool PlyReader::next(PlyPoint& point) {
+  if (read_ == count_) return false;
+  readRecord(vertex_, &point);
+  ++read_;
+  return true;
+}
+
+std::vector<PlyPoint> readPly(const std::filesystem::path& path) {
+  PlyReader reader(path);
+  std::vector<PlyPoint> points;
+  PlyPoint point;
+  while (reader.next(point)) points.push_back(point);
+  return points;
+}
+
+}  // namespace cf
