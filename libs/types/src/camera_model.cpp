@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cf/types/camera_model.h"
 
-#include <algorithm>
+#include <cmath>
 
 namespace cf {
 
@@ -21,16 +21,24 @@ Eigen::Vector2d CameraModel::distort(const Eigen::Vector2d& n) const {
 Eigen::Vector2d CameraModel::undistort(const Eigen::Vector2d& pixel) const {
   const double xd = (pixel.x() - cx) / fx, yd = (pixel.y() - cy) / fy;
   double x = xd, y = yd;
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < 30; ++i) {
     const double r2 = x * x + y * y;
-    // A strong barrel distortion folds over far outside the photo; stay on the near branch.
-    const double radial = std::max(0.2, 1 + r2 * (k1 + r2 * (k2 + r2 * k3)));
-    const double nx = (xd - 2 * p1 * x * y - p2 * (r2 + 2 * x * x)) / radial;
-    const double ny = (yd - p1 * (r2 + 2 * y * y) - 2 * p2 * x * y) / radial;
-    const double step = std::abs(nx - x) + std::abs(ny - y);
-    x = nx;
-    y = ny;
-    if (step < 1e-12) break;
+    const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    const double slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));  // of radial along r, over r
+    const double ex = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x) - xd;
+    const double ey = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y - yd;
+    // Jacobian [a b; b c] of the distortion.
+    const double a = radial + x * x * slope + 2 * p1 * y + 6 * p2 * x;
+    const double b = x * y * slope + 2 * p1 * x + 2 * p2 * y;
+    const double c = radial + y * y * slope + 6 * p1 * y + 2 * p2 * x;
+    const double determinant = a * c - b * b;
+    // A strong barrel distortion folds over outside what the lens sees; do not follow it there.
+    if (determinant < 1e-3) break;
+    const double dx = (c * ex - b * ey) / determinant;
+    const double dy = (a * ey - b * ex) / determinant;
+    x -= dx;
+    y -= dy;
+    if (std::abs(dx) + std::abs(dy) < 1e-14) break;
   }
   return {x, y};
 }

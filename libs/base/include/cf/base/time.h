@@ -18,7 +18,8 @@ inline double seconds(TimeNs t) { return static_cast<double>(t) * 1e-9; }
 /// every file that we write.
 std::string timeText(TimeNs t);
 
-/// Seconds in decimal text to nanoseconds, exact to the digit; throws RunError on anything else.
+/// Seconds in decimal text to nanoseconds, exact to the ninth decimal, later ones dropped; throws
+/// RunError on anything else.
 TimeNs timeFromText(const std::string& text);
 
 /// "2016-06-23T16:31:59Z", for people.

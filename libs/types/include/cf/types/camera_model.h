@@ -24,7 +24,8 @@ struct CameraModel {
   Eigen::Vector2d project(const Eigen::Vector3d& p_cam) const;
   /// Point of the normalized plane z = 1 to distorted pixel.
   Eigen::Vector2d distort(const Eigen::Vector2d& normalized) const;
-  /// Distorted pixel to the normalized plane z = 1; fixed-point iteration, error below 1e-9.
+  /// Distorted pixel to the normalized plane z = 1; Newton's method, error below 1e-9 wherever the
+  /// distortion does not fold over.
   Eigen::Vector2d undistort(const Eigen::Vector2d& pixel) const;
   /// The same camera for the photo resized to new_width x new_height.
   CameraModel scaled(int new_width, int new_height) const;
