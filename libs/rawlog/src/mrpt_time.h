@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/core/Clock.h>
+
+#include "cf/base/time.h"
+
+namespace cf {
+
+// MRPT counts 100 ns steps from 1601-01-01.
+inline constexpr std::int64_t kTicksTo1970 = 116'444'736'000'000'000;
+inline constexpr std::int64_t kNsPerTick = 100;
+
+inline mrpt::Clock::time_point mrptTime(TimeNs t) {
+  const std::int64_t ticks = t >= 0 ? t / kNsPerTick : -((-t + kNsPerTick - 1) / kNsPerTick);
+  return mrpt::Clock::time_point(mrpt::Clock::duration(ticks + kTicksTo1970));
+}
+
+inline TimeNs timeOf(mrpt::Clock::time_point t) {
+  return (static_cast<std::int64_t>(t.time_since_epoch().count()) - kTicksTo1970) * kNsPerTick;
+}
+
+}  // namespace cf

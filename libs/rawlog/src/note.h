@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "cf/types/gnss_fix.h"
+
+namespace cf {
+
+/// What a CObservationImage or CObservationGPS has no field for. Travels as text in a
+/// CObservationComment with the sensor label "<label>_NOTE" and the time of what it belongs to:
+/// a first line "clusterfusion note 1", then "key = value" lines (docs/rawlog.md).
+struct Note {
+  // of a photo
+  std::string image;  ///< external file name of the photo that it belongs to; empty: of a fix
+  std::optional<std::string> name;
+  std::optional<double> focal_sigma_px, k1_sigma, k2_sigma;
+  std::optional<double> height_above_ground_m;
+  std::optional<unsigned> camera_version;
+  // of a fix
+  std::optional<Eigen::Vector3d> sigma_enu_m;
+  std::optional<HeightDatum> datum;
+};
+
+std::string noteText(const Note& note);
+
+/// Nothing if the text is no note of ours. Unknown keys are skipped; values that do not parse are
+/// left out.
+std::optional<Note> noteFromText(const std::string& text);
+
+inline std::string noteLabel(const std::string& sensor_label) { return sensor_label + "_NOTE"; }
+inline std::string gimbalLabel(const std::string& image_label) { return image_label + "_GIMBAL"; }
+
+}  // namespace cf
