@@ -39,11 +39,11 @@ const std::map<std::string, Lib> kLibs = {
     {"densify", {3, {"opencv", "ceres", "tbb"}}},
     {"align", {3, {"opencv", "ceres", "mrpt", "tbb"}}},
     {"fuse", {3, {"opencv", "pcl", "octomap", "tbb"}}},
-    {"import", {3, {"gdal", "opencv"}}},
-    {"deliver", {3, {"gdal", "opencv", "mrpt", "json"}}},
-    {"view", {3, {"mrpt", "opencv", "octomap", "json"}}},
-    {"evaluate", {3, {"json"}}},
-    {"simulate", {3, {"embree", "opencv"}}},
+    {"import", {3, {"gdal", "opencv", "tbb"}}},
+    {"deliver", {3, {"gdal", "opencv", "mrpt", "json", "tbb"}}},
+    {"view", {3, {"mrpt", "opencv", "octomap", "json", "tbb"}}},
+    {"evaluate", {3, {"json", "tbb"}}},
+    {"simulate", {3, {"embree", "opencv", "tbb"}}},
     {"pipeline", {4, {"tbb", "opencv", "json"}}},
 };
 const Names kAppOutside = {"cli11"};
