@@ -35,7 +35,8 @@ class RayField {
             Eigen::Vector3d((i * kStep - view.cx) / view.f, (j * kStep - view.cy) / view.f, 1);
         if (!same && ray.z() > 0) {
           const Eigen::Vector2d pixel = then.project(ray);
-          ray = now.camera.undistort(pixel).homogeneous() * ray.z();
+          const Eigen::Vector2d normalized = now.camera.undistort(pixel);
+          ray = ray.z() * Eigen::Vector3d(normalized.x(), normalized.y(), 1);
         }
         node(i, j) = now.T_world_cam.linear() * ray;
       }

@@ -46,6 +46,10 @@ CommonArea commonArea(const PosedCamera& reference, const PosedCamera& partner,
   const double depths[] = {request.near_depth_m,
                            std::sqrt(request.near_depth_m * request.far_depth_m),
                            request.far_depth_m};
+  const double search_near_m =
+      request.search_near_depth_m > 0 ? request.search_near_depth_m : request.near_depth_m;
+  const double search_far_m =
+      request.search_far_depth_m > 0 ? request.search_far_depth_m : request.far_depth_m;
   int seen = 0, total = 0;
   for (int j = 0; j <= kSamples; ++j) {
     for (int i = 0; i <= kSamples; ++i, ++total) {
@@ -56,13 +60,12 @@ CommonArea commonArea(const PosedCamera& reference, const PosedCamera& partner,
       if (rect.z() < kMinRayForward * ray.norm()) continue;
       bool any = false;
       for (const double depth : depths) {
-        if (!sees(partner, reference.T_world_cam * (depth * ray))) continue;
-        any = true;
-        area.nearest_m = std::min(area.nearest_m, rect.z() * depth);
-        area.farthest_m = std::max(area.farthest_m, rect.z() * depth);
+        any = any || sees(partner, reference.T_world_cam * (depth * ray));
       }
       if (!any) continue;
       ++seen;
+      area.nearest_m = std::min(area.nearest_m, rect.z() * search_near_m);
+      area.farthest_m = std::max(area.farthest_m, rect.z() * search_far_m);
       area.min_x = std::min(area.min_x, rect.x() / rect.z());
       area.max_x = std::max(area.max_x, rect.x() / rect.z());
       area.min_y = std::min(area.min_y, rect.y() / rect.z());

@@ -19,8 +19,10 @@ struct PosedCamera {
 /// How large the rectified pair becomes and where the scene is.
 struct RectificationRequest {
   double megapixels = 1.5;   ///< of the common area; the resolution never exceeds the photos'
-  double near_depth_m = 0;   ///< of the scene along the reference camera's z axis, > 0
-  double far_depth_m = 0;    ///< > near_depth_m
+  /// Of the scene along the reference camera's z axis; lays out the common area. 0 < near <= far.
+  double near_depth_m = 0, far_depth_m = 0;
+  /// Of the disparity range: how far the scene may reach beyond that. The same if 0.
+  double search_near_depth_m = 0, search_far_depth_m = 0;
   double min_overlap = 0.1;  ///< share of the reference photo that the partner must see
 };
 
@@ -46,8 +48,8 @@ struct RectifiedPair {
 };
 
 /// Rectification along the true baseline, for any direction of it: x along the baseline, z the mean
-/// optical axis made orthogonal to x. The crop is the box of what both photos see between the two
-/// depths. Failures: "no_baseline", "forward_motion" (baseline within 45 degrees of the optical
+/// optical axis made orthogonal to x. The crop is the box of what both photos see between the near
+/// and the far depth. Failures: "no_baseline", "forward_motion" (baseline within 45 degrees of the optical
 /// axes), "diverging_views", "little_overlap".
 Result<RectifiedPair> rectifyPair(const PosedCamera& reference, const PosedCamera& partner,
                                   const RectificationRequest& request);
