@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxel_tile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace cf {
+namespace {
+
+std::uint16_t saturatedSum(std::uint16_t a, std::uint16_t b) {
+  return static_cast<std::uint16_t>(std::min<std::uint32_t>(65535u, std::uint32_t{a} + b));
+}
+
+}  // namespace
+
+VoxelTile::VoxelTile(TileIndex index, double tile_m, double voxel_m)
+    : index_(index),
+      offset_m_(index.x * tile_m, index.y * tile_m, 0),
+      voxel_m_(voxel_m),
+      inverse_voxel_(1 / voxel_m) {}
+
+std::int64_t VoxelTile::cellOf(double relative_m, int axis) const {
+  const std::int64_t cell = floorToInt(relative_m * inverse_voxel_);
+  // A point on the tile's lower edge may fall a rounding error outside of it.
+  return axis < 2 ? std::max<std::int64_t>(cell, 0) : cell;
+}
+
+VoxelTile::Voxel* VoxelTile::voxelAt(const Eigen::Vector3d& relative_m, float (&rest)[3]) {
+  if (!(std::abs(relative_m.z() * inverse_voxel_) < CellKey::kLimit - 1)) return nullptr;
+  std::int64_t cell[3];
+  for (int k = 0; k < 3; ++k) {
+    cell[k] = cellOf(relative_m[k], k);
+    rest[k] =
+        static_cast<float>(relative_m[k] * inverse_voxel_ - (static_cast<double>(cell[k]) + 0.5));
+  }
+  const std::uint32_t number = numbers_.findOrAdd(CellKey::pack(cell[0], cell[1], cell[2]));
+  if (number == voxels_.size()) voxels_.emplace_back();
+  return &voxels_[number];
+}
+
+bool VoxelTile::add(const MapPoint& point, std::uint32_t view) {
+  float rest[3];
+  Voxel* voxel = voxelAt(point.position_m - offset_m_, rest);
+  if (!voxel) return false;
+  voxel->weight += point.weight;
+  for (int k = 0; k < 3; ++k) {
+    voxel->offset[k] += point.weight * rest[k];
+    voxel->bgr[k] += point.weight * static_cast<float>(point.bgr[k]);
+  }
+  if (voxel->last_view != view) {
+    voxel->last_view = view;
+    voxel->views = saturatedSum(voxel->views, 1);
+  }
+  return true;
+}
+
+void VoxelTile::merge(const Tile& tile) {
+  const Eigen::Vector3d shift = tile.offset_m - offset_m_;
+  for (const TilePoint& point : tile.points) {
+    float rest[3];
+    Voxel* voxel = voxelAt(point.position_m.cast<double>() + shift, rest);
+    if (!voxel) continue;
+    voxel->weight += point.confidence;
+    for (int k = 0; k < 3; ++k) {
+      voxel->offset[k] += point.confidence * rest[k];
+      voxel->bgr[k] += point.confidence * static_cast<float>(point.bgr[k]);
+    }
+    voxel->views = saturatedSum(voxel->views, point.views);
+  }
+}
+
+float VoxelTile::positionInCell(double relative_m, std::int64_t cell, int axis) const {
+  auto position = static_cast<float>(relative_m);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  while (cellOf(position, axis) > cell) position = std::nextafter(position, -kInfinity);
+  while (cellOf(position, axis) < cell) position = std::nextafter(position, kInfinity);
+  return position;
+}
+
+Tile VoxelTile::toTile() const {
+  std::vector<std::uint32_t> order(voxels_.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const std::vector<std::uint64_t>& keys = numbers_.keys();
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
+
+  Tile tile;
+  tile.index = index_;
+  tile.offset_m = offset_m_;
+  tile.points.reserve(voxels_.size());
+  for (const std::uint32_t number : order) {
+    const Voxel& voxel = voxels_[number];
+    const std::uint64_t key = keys[number];
+    const std::int64_t cell[3] = {CellKey::x(key), CellKey::y(key), CellKey::z(key)};
+    TilePoint point;
+    for (int k = 0; k < 3; ++k) {
+      const double mean = static_cast<double>(voxel.offset[k]) / voxel.weight;
+      point.position_m[k] =
+          positionInCell((static_cast<double>(cell[k]) + 0.5 + mean) * voxel_m_, cell[k], k);
+      point.bgr[k] =
+          static_cast<std::uint8_t>(std::clamp(std::lround(voxel.bgr[k] / voxel.weight), 0L, 255L));
+    }
+    point.views = voxel.views;
+    point.confidence = voxel.weight;
+    tile.points.push_back(point);
+  }
+  return tile;
+}
+
+std::size_t VoxelTile::bytes() const {
+  return numbers_.bytes() + voxels_.capacity() * sizeof(Voxel);
+}
+
+}  // namespace cf

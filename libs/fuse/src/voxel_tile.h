@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cf/types/map_point.h"
+#include "cf/types/tile.h"
+#include "voxel_index.h"
+
+namespace cf {
+
+/// The voxels of one tile: weighted sums of position and colour, and the number of views.
+/// Sums are relative to the voxel's centre, so that floats hold them to a millionth of a voxel.
+class VoxelTile {
+ public:
+  VoxelTile(TileIndex index, double tile_m, double voxel_m);
+
+  /// `view` differs from one depth frame to the next; 0 is none. False where the point lies too
+  /// high or deep for the grid (a million voxels) and is left out.
+  bool add(const MapPoint& point, std::uint32_t view);
+  /// Merges what toTile() once gave: sums are restored from means, weights and views.
+  void merge(const Tile& tile);
+  /// One point a voxel, each inside its voxel even after rounding to float, in the order (z, y, x).
+  Tile toTile() const;
+
+  std::size_t size() const { return voxels_.size(); }
+  std::size_t bytes() const;
+
+ private:
+  struct Voxel {
+    float weight = 0;
+    float offset[3] = {0, 0, 0};  ///< weighted sum [voxels from the centre]
+    float bgr[3] = {0, 0, 0};     ///< weighted sum
+    std::uint32_t last_view = 0;
+    std::uint16_t views = 0;
+  };
+
+  /// Null where the position is outside the grid. `rest` is the position in the voxel, [voxels]
+  /// from its centre.
+  Voxel* voxelAt(const Eigen::Vector3d& relative_m, float (&rest)[3]);
+  std::int64_t cellOf(double relative_m, int axis) const;
+  float positionInCell(double relative_m, std::int64_t cell, int axis) const;
+
+  TileIndex index_;
+  Eigen::Vector3d offset_m_;
+  double voxel_m_;
+  double inverse_voxel_;
+  VoxelIndex numbers_;
+  std::vector<Voxel> voxels_;
+};
+
+}  // namespace cf
