@@ -43,7 +43,6 @@ const std::map<std::string, Lib> kLibs = {
     {"deliver", {3, {"gdal", "opencv", "mrpt", "json", "tbb"}}},
     {"view", {3, {"mrpt", "opencv", "octomap", "json", "tbb"}}},
     {"evaluate", {3, {"json", "tbb"}}},
-    {"simulate", {3, {"embree", "opencv", "tbb"}}},
     {"pipeline", {4, {"tbb", "opencv", "json"}}},
 };
 const Names kAppOutside = {"cli11"};
@@ -71,7 +70,6 @@ const std::vector<Origin> kIncludes = {
     {std::regex("(octomap|octomath)/.*"), "octomap"},
     {std::regex("(gdal/)?(gdal|cpl|ogr|vrt)[a-z_0-9]*\\.h"), "gdal"},
     {std::regex("(oneapi/)?tbb/.*"), "tbb"},
-    {std::regex("embree3/.*"), "embree"},
     {std::regex("CLI/.*"), "cli11"},
 };
 const std::vector<Origin> kTargets = {
@@ -88,7 +86,6 @@ const std::vector<Origin> kTargets = {
     {std::regex("cf_octomap"), "octomap"},
     {std::regex("GDAL::GDAL"), "gdal"},
     {std::regex("TBB::tbb"), "tbb"},
-    {std::regex("embree"), "embree"},
     {std::regex("CLI11::CLI11"), "cli11"},
 };
 
