@@ -10,6 +10,7 @@
 #include <string>
 
 #include "cf/base/error.h"
+#include "cf/evaluate/cloud.h"
 #include "cf/evaluate/trajectory.h"
 
 namespace cf {
@@ -20,7 +21,13 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string estimate, reference;
   std::string align;
+  std::optional<double> gsd_m;
 };
+
+void requireExisting(const Arguments& arguments) {
+  for (const std::string& path : {arguments.estimate, arguments.reference})
+    if (!fs::exists(path)) throw UsageError(path + ": there is no such file or folder");
+}
 
 std::string evaluateTrajectories(const Arguments& arguments) {
   static const std::map<std::string, std::optional<AlignmentModel>> kModels = {
@@ -28,12 +35,19 @@ std::string evaluateTrajectories(const Arguments& arguments) {
       {"se3", AlignmentModel::kSe3},
       {"sim3", AlignmentModel::kSim3},
       {"yaw4", AlignmentModel::kYaw4}};
+  requireExisting(arguments);
   const bool folder = fs::is_directory(arguments.estimate);
   if (folder != fs::is_directory(arguments.reference))
     throw UsageError("trajectory: give two folders, OUTDIR REFDIR, or two files, EST.tum REF.tum");
   const PosePairs pairs = folder ? pairByName(arguments.estimate, arguments.reference)
                                  : pairByTime(arguments.estimate, arguments.reference);
   return toJson(evaluateTrajectory(pairs, kModels.at(arguments.align)), arguments.align);
+}
+
+std::string evaluateClouds(const Arguments& arguments) {
+  requireExisting(arguments);
+  CloudPair clouds = readClouds(arguments.estimate, arguments.reference);
+  return toJson(evaluateCloud(std::move(clouds), arguments.align == "icp"), arguments.gsd_m);
 }
 
 }  // namespace
@@ -43,7 +57,7 @@ int runEval(int argc, char** argv) {
   app.set_version_flag("--version", CF_VERSION);
   app.require_subcommand(1);
 
-  Arguments trajectory{{}, {}, "se3"};
+  Arguments trajectory{{}, {}, "se3", {}};
   auto* trajectory_app = app.add_subcommand(
       "trajectory", "Compare camera poses, joined by photo name (folders) or time (files)");
   trajectory_app->add_option("EST", trajectory.estimate, "output folder of a run, or a TUM file")
@@ -55,13 +69,27 @@ int runEval(int argc, char** argv) {
   trajectory_app->add_option("--align", trajectory.align, "se3 by default")
       ->check(CLI::IsMember({"none", "se3", "sim3", "yaw4"}));
 
+  Arguments cloud{{}, {}, "none", {}};
+  auto* cloud_app = app.add_subcommand(
+      "cloud", "Compare point clouds where the reference has a point within 0.5 m horizontally");
+  cloud_app->add_option("EST", cloud.estimate, "output folder of a run, or a PLY file")->required();
+  cloud_app->add_option("REF", cloud.reference, "reference folder with cloud.ply, or a PLY file")
+      ->required();
+  cloud_app->add_option("--align", cloud.align, "none by default")
+      ->check(CLI::IsMember({"none", "icp"}));
+  cloud_app
+      ->add_option("--gsd", cloud.gsd_m, "ground size of a pixel [m]: also report in units of it")
+      ->check(CLI::PositiveNumber);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
     throw UsageError(std::string(e.what()) + " (see cf-eval --help)");
   }
-  std::printf("%s\n", evaluateTrajectories(trajectory).c_str());
+  const std::string json =
+      trajectory_app->parsed() ? evaluateTrajectories(trajectory) : evaluateClouds(cloud);
+  std::printf("%s\n", json.c_str());
   return 0;
 }
 

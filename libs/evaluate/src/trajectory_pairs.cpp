@@ -85,7 +85,8 @@ EstimatedPose* find(EstimatedPoses& estimated, const fs::path& photo, TimeNs tim
 
 PosePairs pairByName(const fs::path& out_dir, const fs::path& ref_dir) {
   EstimatedPoses estimated = readEstimate(out_dir);
-  const Eigen::Isometry3d T_ref_est = transformBetweenWorlds(out_dir, ref_dir);
+  const Eigen::Isometry3d T_ref_est =
+      transformBetweenWorlds(out_dir, ref_dir).value_or(Eigen::Isometry3d::Identity());
   const std::vector<CsvRow> photos = readCsvRows(ref_dir / "images.tsv", '\t');
   const std::vector<TimedPose> poses = readTum(ref_dir / "poses.tum");
   if (photos.size() != poses.size())

@@ -2,11 +2,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world_origin.h"
 
-namespace cf {
+#include <fstream>
+#include <nlohmann/json.hpp>
 
-Eigen::Isometry3d transformBetweenWorlds(const std::filesystem::path&,
-                                         const std::filesystem::path&) {
-  return Eigen::Isometry3d::Identity();
+#include "cf/base/error.h"
+#include "cf/geodesy/local_frame.h"
+
+namespace cf {
+namespace {
+
+std::optional<LocalFrame> worldOf(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "world.json";
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  std::ifstream in(file);
+  const auto json = nlohmann::json::parse(in, nullptr, false);
+  if (json.is_discarded() || !json.is_object()) throw RunError(file.string() + ": is not JSON");
+  if (!json.contains("origin") || json["origin"].is_null()) return std::nullopt;
+  const auto& origin = json["origin"];
+  const auto number = [&](const char* key) {
+    if (!origin.is_object() || !origin.contains(key) || !origin[key].is_number())
+      throw RunError(file.string() + ": origin." + key + " is not a number");
+    return origin[key].get<double>();
+  };
+  return LocalFrame(number("lat"), number("lon"), number("h"));
+}
+
+}  // namespace
+
+std::optional<Eigen::Isometry3d> transformBetweenWorlds(const std::filesystem::path& est_dir,
+                                                        const std::filesystem::path& ref_dir) {
+  const auto est = worldOf(est_dir), ref = worldOf(ref_dir);
+  if (!est || !ref) return std::nullopt;
+  return ref->T_this_other(*est);
 }
 
 }  // namespace cf

@@ -4,12 +4,13 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <optional>
 
 namespace cf {
 
-/// T_ref_est of the ENU frames whose origins the two folders' world.json give; identity where
+/// T_ref_est of the ENU frames whose origins the two folders' world.json give; nothing where
 /// either says none. Throws RunError on a world.json that cannot be understood.
-Eigen::Isometry3d transformBetweenWorlds(const std::filesystem::path& est_dir,
-                                         const std::filesystem::path& ref_dir);
+std::optional<Eigen::Isometry3d> transformBetweenWorlds(const std::filesystem::path& est_dir,
+                                                        const std::filesystem::path& ref_dir);
 
 }  // namespace cf
