@@ -41,6 +41,7 @@ std::optional<HeightDatum> datumFromText(const std::string& text) {
 }
 
 void set(Note& note, const std::string& key, const std::string& value) {
+  if (key == "sensor") note.sensor = value;
   if (key == "image") note.image = value;
   if (key == "name") note.name = value;
   if (key == "focal_sigma_px") note.focal_sigma_px = number(value);
@@ -66,6 +67,7 @@ std::string noteText(const Note& note) {
   const auto line = [&text](const char* key, const auto& value) {
     text += fmt::format("{} = {}\n", key, value);  // shortest form that reads back exactly
   };
+  line("sensor", note.sensor);
   if (!note.image.empty()) line("image", note.image);
   if (note.name) line("name", *note.name);
   if (note.focal_sigma_px) line("focal_sigma_px", *note.focal_sigma_px);

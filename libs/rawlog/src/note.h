@@ -11,9 +11,11 @@
 namespace cf {
 
 /// What a CObservationImage or CObservationGPS has no field for. Travels as text in a
-/// CObservationComment with the sensor label "<label>_NOTE" and the time of what it belongs to:
-/// a first line "clusterfusion note 1", then "key = value" lines (docs/rawlog.md).
+/// CObservationComment with the time of what it belongs to (MRPT 2.5.8 does not store the sensor
+/// label of comments, so that stands in the text): a first line "clusterfusion note 1", then "key =
+/// value" lines (docs/rawlog.md).
 struct Note {
+  std::string sensor;  ///< label of the observation that it belongs to
   // of a photo
   std::string image;  ///< external file name of the photo that it belongs to; empty: of a fix
   std::optional<std::string> name;
@@ -31,7 +33,6 @@ std::string noteText(const Note& note);
 /// left out.
 std::optional<Note> noteFromText(const std::string& text);
 
-inline std::string noteLabel(const std::string& sensor_label) { return sensor_label + "_NOTE"; }
 inline std::string gimbalLabel(const std::string& image_label) { return image_label + "_GIMBAL"; }
 
 }  // namespace cf

@@ -88,10 +88,10 @@ void keepSensor(std::vector<std::shared_ptr<Observation>>& observations, const s
   std::set<std::string> labels;
   for (const auto& o : observations) labels.insert(o->sensorLabel);
   if (label.empty() ? labels.size() > 1 : labels.count(label) == 0)
-    throw UsageError(fmt::format(
-        "{}: {} must be one of the sensors in it ({}){}", rawlog.string(), key,
-        labels.empty() ? "there is none" : fmt::format("{}", fmt::join(labels, ", ")),
-        label.empty() ? "" : ", not '" + label + "'"));
+    throw UsageError(
+        fmt::format("{}: {} must be one of the sensors in it ({}){}", rawlog.string(), key,
+                    labels.empty() ? "there is none" : fmt::format("{}", fmt::join(labels, ", ")),
+                    label.empty() ? "" : ", not '" + label + "'"));
   if (label.empty()) return;
   observations.erase(std::remove_if(observations.begin(), observations.end(),
                                     [&](const auto& o) { return o->sensorLabel != label; }),
@@ -104,14 +104,14 @@ class Companions {
   explicit Companions(const Observations& all) {
     for (const auto& c : all.comments)
       if (std::optional<Note> note = noteFromText(c->text))
-        notes_.emplace(Key{c->timestamp, c->sensorLabel}, *note);
+        notes_.emplace(Key{c->timestamp, note->sensor}, *note);
     for (const auto& imu : all.attitudes)
       attitudes_.emplace(Key{imu->timestamp, imu->sensorLabel}, imu);
   }
 
   /// `image` is empty for a fix.
   Note takeNote(mrpt::Clock::time_point t, const std::string& label, const std::string& image) {
-    const auto [begin, end] = notes_.equal_range({t, noteLabel(label)});
+    const auto [begin, end] = notes_.equal_range({t, label});
     for (auto it = begin; it != end; ++it)
       if (it->second.image == image) return notes_.extract(it).mapped();
     return {};
@@ -157,8 +157,8 @@ CameraModel cameraOf(const mrpt::img::TCamera& c, const Note& note) {
 }
 
 bool staysInside(const fs::path& relative) {
-  return relative.is_relative() &&
-         std::none_of(relative.begin(), relative.end(), [](const fs::path& p) { return p == ".."; });
+  return relative.is_relative() && std::none_of(relative.begin(), relative.end(),
+                                                [](const fs::path& p) { return p == ".."; });
 }
 
 std::vector<ImageFrame> photosOf(const Observations& all, const fs::path& rawlog,

@@ -97,10 +97,11 @@ struct RawlogWriter::Impl {
       throw RunError(fmt::format("{} cannot be written: is the disk full?", unfinished.string()));
     }
   }
-  void put(const Note& note, TimeNs time, const std::string& label) {
+  void put(Note note, TimeNs time, const std::string& label) {
+    note.sensor = label;
     mrpt::obs::CObservationComment comment;
     comment.text = noteText(note);
-    put(comment, time, noteLabel(label));
+    put(comment, time, label);
   }
 };
 
@@ -112,8 +113,8 @@ RawlogWriter::RawlogWriter(const std::filesystem::path& rawlog, const RawlogLabe
   impl_->labels = labels;
   constexpr int kCompression = 6;
   if (!impl_->file.open(impl_->unfinished.string(), kCompression))
-    throw RunError(fmt::format("{} cannot be written: is its folder there and writable?",
-                               rawlog.string()));
+    throw RunError(
+        fmt::format("{} cannot be written: is its folder there and writable?", rawlog.string()));
 }
 
 RawlogWriter::~RawlogWriter() {
@@ -164,8 +165,7 @@ void RawlogWriter::finish() {
   std::error_code failed;
   std::filesystem::rename(impl_->unfinished, impl_->path, failed);
   if (failed)
-    throw RunError(
-        fmt::format("{} cannot be written: {}", impl_->path.string(), failed.message()));
+    throw RunError(fmt::format("{} cannot be written: {}", impl_->path.string(), failed.message()));
 }
 
 }  // namespace cf

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/import/camera_ini.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+
+#include "cf/base/error.h"
+#include "text.h"
+
+namespace cf {
+namespace {
+
+/// Keys and values of [camera]; comments start with ; or #.
+std::map<std::string, double> cameraSection(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw UsageError(fmt::format("{} cannot be read: is it there?", file.string()));
+  std::map<std::string, double> values;
+  std::string line, section;
+  for (int number = 1; std::getline(in, line); ++number) {
+    line = trimmed(line.substr(0, line.find_first_of(";#")));
+    if (line.empty()) continue;
+    if (line.front() == '[') {
+      section = line;
+      continue;
+    }
+    if (section != "[camera]") continue;
+    const std::size_t equals = line.find('=');
+    const std::string key = trimmed(line.substr(0, equals));
+    const auto value =
+        equals == std::string::npos ? std::nullopt : numberFrom(trimmed(line.substr(equals + 1)));
+    if (!value)
+      throw UsageError(
+          fmt::format("{}:{}: '{}' should be 'key = number'", file.string(), number, line));
+    if (!values.emplace(key, *value).second)
+      throw UsageError(fmt::format("{}:{}: {} is given twice", file.string(), number, key));
+  }
+  return values;
+}
+
+}  // namespace
+
+CameraModel readCameraIni(const std::filesystem::path& file) {
+  std::map<std::string, double> values = cameraSection(file);
+  const auto take = [&values](const char* key, double otherwise) {
+    const auto node = values.extract(key);
+    return node.empty() ? otherwise : node.mapped();
+  };
+  const auto need = [&](const char* key) {
+    const double value = take(key, 0);
+    constexpr double kMost = 1e6;
+    if (!(value > 0 && value < kMost))
+      throw UsageError(fmt::format("{}: [camera] needs {} in pixels, above 0", file.string(), key));
+    return value;
+  };
+  CameraModel camera;
+  camera.width = static_cast<int>(need("width"));
+  camera.height = static_cast<int>(need("height"));
+  camera.fx = need("fx");
+  camera.fy = take("fy", camera.fx);
+  camera.cx = take("cx", (camera.width - 1) / 2.0);
+  camera.cy = take("cy", (camera.height - 1) / 2.0);
+  camera.k1 = take("k1", 0);
+  camera.k2 = take("k2", 0);
+  camera.p1 = take("p1", 0);
+  camera.p2 = take("p2", 0);
+  camera.k3 = take("k3", 0);
+  camera.focal_sigma = take("focal_sigma", 0);
+  camera.k1_sigma = take("k1_sigma", 0);
+  camera.k2_sigma = take("k2_sigma", 0);
+  if (!(camera.fy > 0) || camera.focal_sigma < 0 || camera.k1_sigma < 0 || camera.k2_sigma < 0)
+    throw UsageError(
+        fmt::format("{}: [camera] fy must be above 0, and no sigma below 0", file.string()));
+  if (!values.empty())
+    throw UsageError(
+        fmt::format("{}: [camera] has no key {}: known are width height fx fy cx cy "
+                    "k1 k2 p1 p2 k3 focal_sigma k1_sigma k2_sigma",
+                    file.string(), values.begin()->first));
+  return camera;
+}
+
+}  // namespace cf
