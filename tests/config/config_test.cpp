@@ -25,7 +25,7 @@ struct DensifyOptions {
     v.number("megapixels", megapixels, {0.1, 20}, "size matched [MP]");
     v.integer("partners", partners, {1, 8}, "pairs of a keyframe");
     v.flag("bilateral", bilateral, "smooth between edges");
-    v.choice("matcher", matcher, {"elas", "sgm"}, "method");
+    v.choice("matcher", matcher, {"elas", "sgm"}, "a|b");
   }
 };
 
@@ -282,6 +282,31 @@ TEST_F(ConfigTest, theEffectiveTextGivesTheSameOptionsAgain) {
   again.rejectUnknown();
   EXPECT_EQ(densify_again.megapixels, densify.megapixels);
   EXPECT_EQ(again.effectiveText(), text);
+}
+
+TEST_F(ConfigTest, theReferenceTellsDefaultsWhateverTheFileGives) {
+  Config c = config("[densify]\nmegapixels = 3\n");
+  DensifyOptions densify;
+  SpeckleOptions speckle;
+  UavOptions uav;
+  c.load("densify", densify);
+  c.load("densify", speckle);
+  c.load("uav.NAME", uav);
+  EXPECT_EQ(c.referenceMarkdown(),
+            "## [densify]\n\n"
+            "| key | default | allowed | meaning |\n|---|---|---|---|\n"
+            "| `megapixels` | `1.5` | number, 0.1 to 20 | size matched [MP] |\n"
+            "| `partners` | `2` | whole number, 1 to 8 | pairs of a keyframe |\n"
+            "| `bilateral` | `true` | true, false | smooth between edges |\n"
+            "| `matcher` | `sgm` | elas, sgm | a\\|b |\n"
+            "| `speckle_px` | `100` | number, at least 0 | smallest patch [px] |\n\n"
+            "## [uav.NAME]\n\n"
+            "| key | default | allowed | meaning |\n|---|---|---|---|\n"
+            "| `rawlog` | (empty) | text | path |\n");
+}
+
+TEST_F(ConfigTest, theTopLevelConfigurationIsWellFormed) {
+  EXPECT_NO_THROW(Config::fromFile(std::filesystem::path(CF_SOURCE_DIR) / "config.ini"));
 }
 
 TEST_F(ConfigTest, pathsCountFromTheFolderOfTheIni) {

@@ -15,10 +15,10 @@
 namespace cf {
 namespace {
 
-template <class Section>
-Section* findSection(std::vector<Section>& sections, const std::string& name) {
-  const auto it = std::find_if(sections.begin(), sections.end(),
-                               [&](const Section& s) { return s.name == name; });
+template <class Sections>
+auto findSection(Sections& sections, const std::string& name) -> decltype(sections.data()) {
+  const auto it =
+      std::find_if(sections.begin(), sections.end(), [&](const auto& s) { return s.name == name; });
   return it == sections.end() ? nullptr : &*it;
 }
 
@@ -29,15 +29,11 @@ auto findEntry(Section& section, const std::string& key) -> decltype(section.ent
   return it == section.entries.end() ? nullptr : &*it;
 }
 
-template <class Section>
-void setEntry(std::vector<Section>& sections, const std::string& name, const std::string& key,
-              const std::string& value, const std::string& where) {
-  auto* section = findSection(sections, name);
-  if (section == nullptr) section = &sections.emplace_back(Section{name, where, {}});
-  if (auto* entry = findEntry(*section, key))
-    *entry = {key, value, where};
-  else
-    section->entries.push_back({key, value, where});
+/// Text of a cell of a Markdown table, where a bar would end the cell.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
+  return out;
 }
 
 }  // namespace
@@ -48,43 +44,62 @@ class OptionReader : public OptionVisitor {
   OptionReader(Config& config, std::string section)
       : config_(config), section_(std::move(section)) {}
 
-  void number(const char* key, double& value, Range range, const char*) override {
-    take(key, value, [&](const std::string& text) { return numberFromText(text, range); });
-    keep(key, numberText(value));
+  void number(const char* key, double& value, Range range, const char* help) override {
+    take(key, value, help, withRange("number", range), numberText,
+         [&](const std::string& text) { return numberFromText(text, range); });
   }
-  void integer(const char* key, int& value, Range range, const char*) override {
-    take(key, value, [&](const std::string& text) { return integerFromText(text, range); });
-    keep(key, fmt::format("{}", value));
+  void integer(const char* key, int& value, Range range, const char* help) override {
+    take(key, value, help, withRange("whole number", range), integerText,
+         [&](const std::string& text) { return integerFromText(text, range); });
   }
-  void flag(const char* key, bool& value, const char*) override {
-    take(key, value, flagFromText);
-    keep(key, flagText(value));
+  void flag(const char* key, bool& value, const char* help) override {
+    take(key, value, help, "true, false", flagText, flagFromText);
   }
-  void text(const char* key, std::string& value, const char*) override {
-    take(key, value, [](const std::string& text) { return Result<std::string>(text); });
-    keep(key, value);
+  void text(const char* key, std::string& value, const char* help) override {
+    take(key, value, help, "text", plainText,
+         [](const std::string& text) { return Result<std::string>(text); });
   }
   void choice(const char* key, std::string& value, const std::vector<std::string>& allowed,
-              const char*) override {
-    take(key, value, [&](const std::string& text) { return choiceFromText(text, allowed); });
-    keep(key, value);
+              const char* help) override {
+    take(key, value, help, fmt::format("{}", fmt::join(allowed, ", ")), plainText,
+         [&](const std::string& text) { return choiceFromText(text, allowed); });
   }
 
  private:
-  template <class T, class Parse>
-  void take(const char* key, T& value, Parse parse) {
-    auto* section = findSection(config_.given_, section_);
-    const auto* entry = section == nullptr ? nullptr : findEntry(*section, key);
-    if (entry == nullptr) return;
-    auto parsed = parse(entry->value);
-    if (!parsed)
-      throw UsageError(fmt::format("{}: [{}] {} = {} {}", entry->where, section_, key,
-                                   entry->value.empty() ? "(nothing)" : entry->value,
-                                   parsed.failure().detail));
-    value = parsed.value();
+  static std::string plainText(const std::string& value) { return value; }
+  static std::string withRange(const std::string& kind, Range range) {
+    const std::string limits = rangeText(range);
+    return limits.empty() ? kind : kind + ", " + limits;
   }
-  void keep(const char* key, const std::string& value) {
-    setEntry(config_.loaded_, section_, key, value, {});
+
+  template <class T, class Print, class Parse>
+  void take(const char* key, T& value, const char* help, const std::string& allowed, Print print,
+            Parse parse) {
+    const std::string default_value = print(value);
+    if (const auto* entry = given(key)) {
+      auto parsed = parse(entry->value);
+      if (!parsed)
+        throw UsageError(fmt::format("{}: [{}] {} = {} {}", entry->where, section_, key,
+                                     entry->value.empty() ? "(nothing)" : entry->value,
+                                     parsed.failure().detail));
+      value = parsed.value();
+    }
+    know({key, print(value), default_value, allowed, help});
+  }
+
+  const Config::Entry* given(const char* key) const {
+    auto* section = findSection(config_.given_, section_);
+    return section == nullptr ? nullptr : findEntry(*section, key);
+  }
+
+  void know(const Config::KnownKey& known) {
+    auto* section = findSection(config_.known_, section_);
+    if (section == nullptr)
+      section = &config_.known_.emplace_back(Config::KnownSection{section_, {}});
+    if (auto* entry = findEntry(*section, known.key))
+      *entry = known;
+    else
+      section->entries.push_back(known);
   }
 
   Config& config_;
@@ -116,7 +131,12 @@ void Config::override(const std::string& assignment) {
     throw UsageError(where +
                      ": a value must not hold a comment (blank, then #, ; or //) or a "
                      "line break");
-  setEntry(given_, section, key, value, where);
+  auto* target = findSection(given_, section);
+  if (target == nullptr) target = &given_.emplace_back(Section{section, where, {}});
+  if (auto* entry = findEntry(*target, key))
+    *entry = {key, value, where};
+  else
+    target->entries.push_back({key, value, where});
 }
 
 void Config::loadWith(const std::string& section,
@@ -139,26 +159,39 @@ void Config::rejectUnknown() const {
     return out;
   };
   for (const auto& section : given_) {
-    const auto known = std::find_if(loaded_.begin(), loaded_.end(),
-                                    [&](const Section& s) { return s.name == section.name; });
-    if (known == loaded_.end())
+    const auto* known = findSection(known_, section.name);
+    if (known == nullptr)
       throw UsageError(fmt::format(
           "{}: section [{}] is not known{}", section.where, section.name,
-          suggestion(section.name, names(loaded_, [](const Section& s) { return s.name; }))));
+          suggestion(section.name, names(known_, [](const KnownSection& s) { return s.name; }))));
     for (const auto& entry : section.entries)
       if (findEntry(*known, entry.key) == nullptr)
         throw UsageError(fmt::format(
             "{}: [{}] key '{}' is not known{}", entry.where, section.name, entry.key,
-            suggestion(entry.key, names(known->entries, [](const Entry& e) { return e.key; }))));
+            suggestion(entry.key, names(known->entries, [](const KnownKey& k) { return k.key; }))));
   }
 }
 
 std::string Config::effectiveText() const {
   std::string text;
-  for (const auto& section : loaded_) {
+  for (const auto& section : known_) {
     text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section.name);
     for (const auto& entry : section.entries)
       text += fmt::format("{} = {}\n", entry.key, entry.value);
+  }
+  return text;
+}
+
+std::string Config::referenceMarkdown() const {
+  std::string text;
+  for (const auto& section : known_) {
+    text += fmt::format("{}## [{}]\n\n| key | default | allowed | meaning |\n|---|---|---|---|\n",
+                        text.empty() ? "" : "\n", section.name);
+    for (const auto& known : section.entries)
+      text += fmt::format(
+          "| `{}` | {} | {} | {} |\n", known.key,
+          known.default_value.empty() ? "(empty)" : "`" + cell(known.default_value) + "`",
+          cell(known.allowed), cell(known.help));
   }
   return text;
 }

@@ -56,10 +56,9 @@ Result<std::string> choiceFromText(const std::string& text,
   return Failure{"not_a_choice", fmt::format("is not one of: {}", fmt::join(allowed, ", "))};
 }
 
-std::string numberText(double value) {
-  // fmt writes 3.0 as "3"; both read back exactly.
-  return fmt::format("{}", value);
-}
+std::string numberText(double value) { return fmt::format("{}", value); }
+
+std::string integerText(int value) { return fmt::format("{}", value); }
 
 std::string flagText(bool value) { return value ? "true" : "false"; }
 

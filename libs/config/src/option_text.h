@@ -19,6 +19,7 @@ Result<std::string> choiceFromText(const std::string& text,
                                    const std::vector<std::string>& allowed);
 
 std::string numberText(double value);  ///< shortest text that reads back as the same number
+std::string integerText(int value);
 std::string flagText(bool value);
 std::string rangeText(Range range);  ///< "0.1 to 20", "at least 0", "" if unbounded
 

@@ -47,6 +47,9 @@ class Config {
   /// same options again.
   std::string effectiveText() const;
 
+  /// All loaded sections as Markdown, a table each: key, default, allowed values, help.
+  std::string referenceMarkdown() const;
+
   /// A path of the configuration, relative ones counted from the folder of the ini; absolute.
   std::filesystem::path resolve(const std::filesystem::path& path) const;
 
@@ -63,12 +66,21 @@ class Config {
     std::string where;
     std::vector<Entry> entries;
   };
+  /// What an options struct says of a field, and the value that it ended with.
+  struct KnownKey {
+    std::string key, value;
+    std::string default_value, allowed, help;
+  };
+  struct KnownSection {
+    std::string name;
+    std::vector<KnownKey> entries;
+  };
   explicit Config(std::filesystem::path file) : file_(std::move(file)) {}
   void loadWith(const std::string& section, const std::function<void(OptionVisitor&)>& visit);
 
   std::filesystem::path file_;
-  std::vector<Section> given_;   ///< in the order of the file
-  std::vector<Section> loaded_;  ///< known keys with effective values, in the order of loading
+  std::vector<Section> given_;       ///< in the order of the file
+  std::vector<KnownSection> known_;  ///< in the order of loading
 };
 
 }  // namespace cf
