@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "snapshot_command.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <string>
+
+#include "cf/base/error.h"
+#include "cf/view/render.h"
+
+namespace cf {
+
+int snapshotCommand(int argc, char** argv) {
+  CLI::App app("Renders a picture of a finished run; needs no display.", "cf-snapshot");
+  std::string outdir, view = "top", size = "1920x1080", png;
+  app.add_option("OUTDIR", outdir, "Output folder of cf-run")->required();
+  app.add_option("--view", view, "top | iso | front | uav:<name> | octomap | height")
+      ->capture_default_str();
+  app.add_option("--size", size, "Width x height [px]")->capture_default_str();
+  app.add_option("-o", png, "PNG file to write")->required();
+  app.set_version_flag("--version", "cf-snapshot " CF_VERSION);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    throw UsageError(std::string(e.what()) + " (see cf-snapshot --help)");
+  }
+  const View wanted = parseView(view);
+  const ImageSize pixels = parseImageSize(size);
+  SceneLimits limits;
+  limits.with_voxels = wanted.kind == View::Kind::kOctomap;
+  limits.with_cloud = !limits.with_voxels;
+  renderSnapshot(loadScene(outdir, limits), wanted, pixels, png);
+  return 0;
+}
+
+}  // namespace cf

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "cf/base/error.h"
+#include "cf/formats/csv.h"
+#include "cf/formats/ply.h"
+#include "cf/formats/tum.h"
+#include "cf/view/scene_inputs.h"
+#include "load_octomap.h"
+
+namespace cf {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<ColouredPoint> loadCloud(const fs::path& file, std::size_t max_points) {
+  PlyReader reader(file);
+  std::vector<ColouredPoint> cloud;
+  const double keep = static_cast<double>(max_points) /
+                      static_cast<double>(std::max<std::uint64_t>(1, reader.count()));
+  cloud.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(reader.count(), max_points)));
+  std::mt19937 random(1);
+  const double most = static_cast<double>(std::mt19937::max());
+  PlyPoint p;
+  while (reader.next(p)) {
+    if (keep < 1 && static_cast<double>(random()) / most > keep) continue;
+    if (!p.position_m.allFinite()) continue;
+    ColouredPoint point;
+    point.position_m = p.position_m.cast<float>();
+    const std::array<std::uint8_t, 3> grey = {160, 160, 160};
+    const auto& rgb = reader.coloured() ? p.rgb : grey;
+    std::copy(rgb.begin(), rgb.end(), point.rgb);
+    cloud.push_back(point);
+  }
+  return cloud;
+}
+
+constexpr const char* kOnlineSuffix = ".online";
+
+std::vector<fs::path> trackFiles(const fs::path& folder) {
+  std::vector<fs::path> files;
+  if (!fs::is_directory(folder)) return files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".tum" && entry.path().stem().extension() != kOnlineSuffix)
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// Camera centre of each photo of one UAV by the photo's name: images/<uav>.csv joined with the
+// trajectory by time.
+using Centres = std::map<std::string, Eigen::Vector3d>;
+Centres centresByPhoto(const fs::path& images_csv, const std::map<TimeNs, Eigen::Vector3d>& track) {
+  Centres centres;
+  if (!fs::exists(images_csv)) return centres;
+  const CsvTable table(images_csv);
+  const auto image = table.column("image"), t = table.column("t"), status = table.column("status");
+  for (const auto& row : table.rows()) {
+    if (row[status] != "posed") continue;
+    const auto found = track.find(timeFromText(row[t]));
+    if (found != track.end()) centres[row[image]] = found->second;
+  }
+  return centres;
+}
+
+void loadLinks(const fs::path& file, const std::map<std::string, Centres>& centres,
+               std::vector<RelativeLink>& links) {
+  if (!fs::exists(file)) return;
+  const CsvTable table(file);
+  const auto uav_a = table.column("uav_a"), uav_b = table.column("uav_b");
+  const auto image_a = table.column("image_a"), image_b = table.column("image_b");
+  const auto find = [&](const std::string& uav,
+                        const std::string& image) -> const Eigen::Vector3d* {
+    const auto found = centres.find(uav);
+    if (found == centres.end()) return nullptr;
+    const auto centre = found->second.find(image);
+    return centre == found->second.end() ? nullptr : &centre->second;
+  };
+  for (const auto& row : table.rows()) {
+    if (row[uav_a] == row[uav_b]) continue;  // within one UAV: not drawn
+    const auto* a = find(row[uav_a], row[image_a]);
+    const auto* b = find(row[uav_b], row[image_b]);
+    if (a != nullptr && b != nullptr) links.push_back({*a, *b});
+  }
+}
+
+std::string loadWorld(const fs::path& file, SceneInputs& scene) {
+  if (!fs::exists(file)) return {};
+  std::ifstream in(file);
+  const auto json = nlohmann::json::parse(in, nullptr, false);
+  if (json.is_discarded() || !json.is_object())
+    throw RunError(fmt::format("{}: not a JSON object", file.string()));
+  if (json.contains("origin") && json["origin"].is_object())
+    scene.origin_height_m = json["origin"].value("h", 0.0);
+  scene.height_datum = json.value("h_datum", "unknown");
+  return json.value("center", "");
+}
+
+}  // namespace
+
+SceneInputs loadScene(const fs::path& outdir, const SceneLimits& limits) {
+  if (!fs::is_directory(outdir))
+    throw UsageError(
+        fmt::format("{}: no such folder; give the output folder of cf-run", outdir.string()));
+  SceneInputs scene;
+  const std::string centre_uav = loadWorld(outdir / "world.json", scene);
+  std::map<std::string, Centres> centres;
+  for (const auto& file : trackFiles(outdir / "trajectories")) {
+    UavTrack track;
+    track.name = file.stem().string();
+    track.central = track.name == centre_uav;
+    std::map<TimeNs, Eigen::Vector3d> by_time;
+    for (const auto& pose : readTum(file)) {
+      track.positions_m.push_back(pose.T_world_cam.translation());
+      by_time[pose.time] = pose.T_world_cam.translation();
+    }
+    centres[track.name] = centresByPhoto(outdir / "images" / (track.name + ".csv"), by_time);
+    scene.tracks.push_back(std::move(track));
+  }
+  loadLinks(outdir / "relative_poses.csv", centres, scene.links);
+  if (limits.with_cloud) scene.cloud = loadCloud(outdir / "cloud" / "cloud.ply", limits.max_points);
+  if (limits.with_voxels) scene.voxels = loadVoxels(outdir / "octomap.ot", limits.max_voxels);
+  return scene;
+}
+
+}  // namespace cf
