@@ -58,9 +58,8 @@ void TileMap::insert(FrameId depth_frame, const std::vector<MapPoint>& points) {
       ++stats_.dropped;
       continue;
     }
-    const TileIndex index{
-        static_cast<std::int32_t>(floorToInt(point.position_m.x() / tile_m)),
-        static_cast<std::int32_t>(floorToInt(point.position_m.y() / tile_m))};
+    const TileIndex index{static_cast<std::int32_t>(floorToInt(point.position_m.x() / tile_m)),
+                          static_cast<std::int32_t>(floorToInt(point.position_m.y() / tile_m))};
     if (!run_list || !(index == current)) {
       current = index;
       run_list = &runs[index];

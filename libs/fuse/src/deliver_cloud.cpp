@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/fuse/deliver_cloud.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "cf/fuse/cleaning.h"
+
+namespace cf {
+namespace {
+
+/// Tiles read from a store; the longest unused make room.
+class TileCache {
+ public:
+  TileCache(TileStore& store, std::size_t budget_bytes)
+      : store_(store), budget_bytes_(budget_bytes) {
+    const std::vector<TileIndex> indices = store.indices();
+    for (const TileIndex index : indices) entries_[index];
+  }
+
+  /// Null where there is no such tile. Valid until the next makeRoom().
+  const Tile* get(TileIndex index) {
+    const auto found = entries_.find(index);
+    if (found == entries_.end()) return nullptr;
+    Entry& entry = found->second;
+    entry.used = ++clock_;
+    if (!entry.tile) {
+      entry.tile = store_.load(index);
+      if (!entry.tile) return nullptr;
+      bytes_ += bytesOf(*entry.tile);
+    }
+    return &*entry.tile;
+  }
+
+  void makeRoom() {
+    while (bytes_ > budget_bytes_) {
+      Entry* oldest = nullptr;
+      for (auto& [index, entry] : entries_)
+        if (entry.tile && (!oldest || entry.used < oldest->used)) oldest = &entry;
+      bytes_ -= bytesOf(*oldest->tile);
+      oldest->tile.reset();
+    }
+  }
+
+ private:
+  struct Entry {
+    std::optional<Tile> tile;
+    std::uint64_t used = 0;
+  };
+  static std::size_t bytesOf(const Tile& tile) { return tile.points.size() * sizeof(TilePoint); }
+
+  TileStore& store_;
+  std::size_t budget_bytes_;
+  std::size_t bytes_ = 0;
+  std::uint64_t clock_ = 0;
+  std::map<TileIndex, Entry> entries_;
+};
+
+}  // namespace
+
+Delivery deliverCloud(TileStore& store, const FuseOptions& options,
+                      const std::function<void(const Tile&)>& sink) {
+  Delivery delivery;
+  TileCache cache(store, static_cast<std::size_t>(options.max_memory_mb) << 20);
+  for (const TileIndex index : store.indices()) {
+    std::vector<const Tile*> neighbours;
+    for (std::int32_t dx = -1; dx <= 1; ++dx)
+      for (std::int32_t dy = -1; dy <= 1; ++dy) {
+        if (dx == 0 && dy == 0) continue;
+        if (const Tile* tile = cache.get({index.x + dx, index.y + dy})) neighbours.push_back(tile);
+      }
+    const Tile* raw = cache.get(index);
+    Tile tile = cleaned(*raw, neighbours, options.voxel_m, options.trusted_views);
+    delivery.flying += raw->points.size() - tile.points.size();
+    cache.makeRoom();
+
+    const std::size_t before = tile.points.size();
+    const auto uncertain = [&](const TilePoint& point) {
+      return point.views < options.min_views ||
+             static_cast<double>(point.confidence) < options.min_confidence;
+    };
+    tile.points.erase(std::remove_if(tile.points.begin(), tile.points.end(), uncertain),
+                      tile.points.end());
+    delivery.uncertain += before - tile.points.size();
+    if (tile.points.empty()) continue;
+    ++delivery.tiles;
+    delivery.points += tile.points.size();
+    sink(tile);
+  }
+  return delivery;
+}
+
+}  // namespace cf
