@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "cf/align/match_graph.h"
+#include "cf/base/options.h"
+#include "cf/types/pose_table.h"
+
+namespace cf {
+
+struct JointOptions {
+  int points_per_photo = 300;          ///< aimed at in the adjustment, spread over the photo
+  double feature_sigma_px = 0.7;       ///< of a feature's place, at the feature size
+  double focal_deviation = 0.005;      ///< relative; between UAVs with the same camera model
+  double bias_sigma_horizontal_m = 3;  ///< prior of a UAV's GNSS bias
+  double bias_sigma_vertical_m = 10;
+  bool refine_cameras = true;
+  int max_iterations = 25;
+
+  void visit(OptionVisitor& v);
+};
+
+/// One photo in the joint adjustment.
+struct JointPhoto {
+  FrameId id;
+  Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
+  std::optional<GnssPosition> fix;  ///< sigma as estimated for its UAV
+};
+
+struct JointProblem {
+  std::vector<JointPhoto> photos;    ///< all of one component
+  std::vector<CameraModel> cameras;  ///< by UAV
+  double median_depth_m = 0;         ///< for the scale of the weak priors
+};
+
+struct JointSolution {
+  std::map<FrameId, Eigen::Isometry3d> T_world_cam;
+  std::vector<CameraModel> cameras;                 ///< by UAV, with sigmas after
+  std::map<std::uint16_t, Eigen::Vector3d> bias_m;  ///< GNSS minus map, by UAV
+  std::vector<SparsePoint> points;                  ///< every track that triangulates well
+  double reprojection_rms_px = 0;  ///< of the points' observations, at the feature size
+};
+
+/// One bundle adjustment over all UAVs: tracks that cross UAVs, strips and segments; poses, points,
+/// focal length and distortion (k1, k2, p1, p2) of each camera under their priors, a GNSS bias per
+/// UAV. Weak priors on the poses given hold what nothing else does (roll about a straight flight).
+/// Beyond the paper; replaces its equation (9) where the data allow it. Deterministic.
+JointSolution adjustJointly(const MatchGraph& graph, const std::vector<Track>& tracks,
+                            const JointProblem& problem, const JointOptions& options);
+
+}  // namespace cf

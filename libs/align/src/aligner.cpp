@@ -1,0 +1,244 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/align/aligner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace cf {
+namespace {
+
+/// Photos of one UAV this close in its sequence are matched wherever they are thought to be.
+constexpr std::uint32_t kSequenceNeighbours = 3;
+
+double medianDepth(const Keyframe& photo) {
+  std::vector<float> inverse;
+  for (const float value : photo.inverse_depth)
+    if (value > 0) inverse.push_back(value);
+  if (inverse.empty()) return 0;
+  const auto middle = inverse.begin() + static_cast<long>(inverse.size() / 2);
+  std::nth_element(inverse.begin(), middle, inverse.end());
+  return 1 / static_cast<double>(*middle);
+}
+
+/// Where a photo is before alignment, as its UAV knows it.
+struct Alone {
+  Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
+  double scale = 1, scale_sigma = 0;
+  double sigma_m = 0;  ///< horizontal
+  bool georeferenced = false;
+  int segment = 0;
+};
+
+void setDepths(std::vector<double> depths, PoseTable::Entry& entry) {
+  if (depths.empty()) return;
+  std::sort(depths.begin(), depths.end());
+  const auto at = [&](double share) {
+    return depths[static_cast<std::size_t>(share * static_cast<double>(depths.size() - 1))];
+  };
+  entry.near_depth_m = at(0.05);
+  entry.median_depth_m = at(0.5);
+  entry.far_depth_m = at(0.95);
+}
+
+}  // namespace
+
+void AlignOptions::visit(OptionVisitor& v) {
+  v.choice("method", method, {"joint"}, "joint: bundle adjustment of all UAVs");
+  candidates.visit(v);
+  pair.visit(v);
+  joint.visit(v);
+}
+
+class Aligner::State {
+ public:
+  State(const AlignOptions& options, std::uint16_t center)
+      : options_(options), center_(center), graph_(MatchGraphOptions{}) {}
+
+  void push(const GeoKeyframe& keyframe) {
+    graph_.add(keyframe.keyframe);
+    if (keyframe.fix) fixes_[keyframe.keyframe->id] = *keyframe.fix;
+  }
+
+  Alignment solve(const std::vector<GeoSegment>& segments, const std::vector<GnssQuality>& quality,
+                  const std::vector<CameraModel>& cameras) {
+    const std::map<FrameId, Alone> alone = aloneOf(segments, quality);
+    matchNeighbours();
+    matchCandidates(footprints(alone));
+    Placement placement = joinSegments(graph_, segments, center_);
+    // Joined photos lie better than GNSS alone could tell: overlaps that it missed show now.
+    matchCandidates(footprints(placement, alone));
+    placement = joinSegments(graph_, segments, center_);
+
+    Alignment out;
+    out.relative = placement.relative;
+    out.components = placement.components;
+    out.table.cameras = cameras;
+    out.table.version = ++version_;
+    adjust(placement, quality, out);
+    addPoses(placement, out);
+    addRelativePoses(alone, out);
+    return out;
+  }
+
+ private:
+  std::map<FrameId, Alone> aloneOf(const std::vector<GeoSegment>& segments,
+                                   const std::vector<GnssQuality>& quality) const {
+    std::map<FrameId, Alone> alone;
+    for (const GeoSegment& segment : segments)
+      for (const auto& pose : segment.poses) {
+        Alone a;
+        a.T_world_cam = pose.T_world_cam;
+        a.scale = segment.georeferenced ? segment.scale : 1;
+        a.scale_sigma = segment.scale_sigma;
+        const double estimated = pose.covariance.topLeftCorner<2, 2>().trace() / 2;
+        const Eigen::Vector3d& noise = quality[segment.id.uav].sigma_m;
+        // Two receivers disagree by more than either one's noise tells.
+        a.sigma_m = std::sqrt(estimated) + std::max(2.0, noise.head<2>().norm());
+        a.georeferenced = segment.georeferenced;
+        a.segment = segment.id.segment;
+        alone[pose.frame] = a;
+      }
+    return alone;
+  }
+
+  void matchNeighbours() {
+    std::vector<MatchGraph::Pair> pairs;
+    for (const auto& [id, photo] : graph_.photos())
+      for (std::uint32_t step = 1; step <= kSequenceNeighbours; ++step) {
+        const FrameId next{id.uav, id.index + step};
+        if (graph_.photos().count(next) > 0) pairs.emplace_back(id, next);
+      }
+    graph_.match(pairs);
+  }
+
+  void matchCandidates(const std::vector<Footprint>& footprints) {
+    std::vector<MatchGraph::Pair> pairs;
+    for (const CandidatePair& c : findCandidates(footprints, options_.candidates))
+      pairs.emplace_back(c.a, c.b);
+    graph_.match(pairs);
+  }
+
+  std::vector<Footprint> footprints(const std::map<FrameId, Alone>& alone) const {
+    std::vector<Footprint> out;
+    for (const auto& [id, a] : alone) {
+      const double depth = medianDepth(graph_.photo(id)) * a.scale;
+      out.push_back(a.georeferenced && depth > 0
+                        ? predictFootprint(id, a.segment, a.T_world_cam, graph_.photo(id).camera,
+                                           depth, a.sigma_m)
+                        : unlocatedFootprint(id, a.segment));
+    }
+    return out;
+  }
+
+  std::vector<Footprint> footprints(const Placement& placement,
+                                    const std::map<FrameId, Alone>& alone) const {
+    std::vector<Footprint> out = footprints(alone);
+    for (Footprint& footprint : out) {
+      const auto placed = placement.photos.find(footprint.frame);
+      if (placed == placement.photos.end() || placed->second.component != 0) continue;
+      const double depth = medianDepth(graph_.photo(footprint.frame)) * placed->second.scale;
+      if (depth > 0)
+        footprint = predictFootprint(footprint.frame, footprint.segment, placed->second.T_world_cam,
+                                     graph_.photo(footprint.frame).camera, depth, 0.05 * depth);
+    }
+    return out;
+  }
+
+  void adjust(const Placement& placement, const std::vector<GnssQuality>& quality, Alignment& out) {
+    const std::vector<Track> tracks = buildTracks(graph_);
+    std::set<std::uint16_t> calibrated;
+    for (int component = 0; component < placement.components; ++component) {
+      JointProblem problem;
+      problem.cameras = out.table.cameras;
+      std::vector<double> depths;
+      for (const auto& [id, placed] : placement.photos) {
+        if (placed.component != component) continue;
+        JointPhoto photo{id, placed.T_world_cam, {}};
+        const auto fix = fixes_.find(id);
+        if (fix != fixes_.end() && !placement.relative) {
+          photo.fix = fix->second;
+          photo.fix->sigma_m = fix->second.sigma_m.cwiseMax(quality[id.uav].sigma_m);
+        }
+        problem.photos.push_back(photo);
+        const double depth = medianDepth(graph_.photo(id)) * placed.scale;
+        if (depth > 0) depths.push_back(depth);
+      }
+      if (problem.photos.size() < 2 || depths.empty()) continue;
+      std::nth_element(depths.begin(), depths.begin() + static_cast<long>(depths.size() / 2),
+                       depths.end());
+      problem.median_depth_m = depths[depths.size() / 2];
+      JointSolution solution = adjustJointly(graph_, tracks, problem, options_.joint);
+      for (const auto& [id, T] : solution.T_world_cam) {
+        out.table.poses[id] = {T, Eigen::Matrix<double, 6, 6>::Zero(), component, 0, 0, 0};
+        // The first, largest component that a UAV is in calibrates its camera.
+        if (calibrated.insert(id.uav).second) {
+          out.table.cameras[id.uav] = solution.cameras[id.uav];
+          out.table.cameras[id.uav].version = version_;
+        }
+      }
+      for (const auto& [uav, bias] : solution.bias_m) out.gnss_bias_m.emplace(uav, bias);
+      if (component == 0) out.reprojection_rms_px = solution.reprojection_rms_px;
+      std::move(solution.points.begin(), solution.points.end(), std::back_inserter(out.points));
+    }
+  }
+
+  /// Poses of photos that no adjustment held, and the range of depths of every photo.
+  void addPoses(const Placement& placement, Alignment& out) const {
+    for (const auto& [id, placed] : placement.photos)
+      if (out.table.poses.count(id) == 0)
+        out.table.poses[id] = {
+            placed.T_world_cam, Eigen::Matrix<double, 6, 6>::Zero(), placed.component, 0, 0, 0};
+    std::map<FrameId, std::vector<double>> depths;
+    for (const SparsePoint& point : out.points)
+      for (const auto& o : point.observations)
+        depths[o.frame].push_back(
+            (out.table.poses.at(o.frame).T_world_cam.inverse() * point.position_m).z());
+    for (auto& [id, entry] : out.table.poses) setDepths(std::move(depths[id]), entry);
+  }
+
+  void addRelativePoses(const std::map<FrameId, Alone>& alone, Alignment& out) const {
+    for (const auto& [pair, matches] : graph_.pairs()) {
+      const auto& [a, b] = pair;
+      if (a.uav == b.uav) continue;
+      const auto view = [&](FrameId id) {
+        const Alone& s = alone.at(id);
+        return PairView{&graph_.photo(id), s.T_world_cam, s.scale, s.scale_sigma, s.georeferenced};
+      };
+      if (alone.count(a) == 0 || alone.count(b) == 0) continue;
+      auto observation = observePair(view(a), view(b), matches, options_.pair);
+      if (!observation) continue;
+      RelativePose pose = observation->pose;
+      const auto residual = [&](const Eigen::Isometry3d& T_world_a,
+                                const Eigen::Isometry3d& T_world_b) {
+        return (predictRelativePose(T_world_a, T_world_b).translation() - pose.T_a_b.translation())
+            .norm();
+      };
+      pose.residual_before = residual(alone.at(a).T_world_cam, alone.at(b).T_world_cam);
+      const auto fa = out.table.poses.find(a), fb = out.table.poses.find(b);
+      if (fa == out.table.poses.end() || fb == out.table.poses.end()) continue;
+      pose.residual_after = residual(fa->second.T_world_cam, fb->second.T_world_cam);
+      out.relative_poses.push_back(pose);
+    }
+  }
+
+  const AlignOptions options_;
+  const std::uint16_t center_;
+  MatchGraph graph_;
+  std::map<FrameId, GnssPosition> fixes_;
+  std::uint32_t version_ = 0;
+};
+
+Aligner::Aligner(const AlignOptions& options, std::uint16_t center)
+    : state_(std::make_unique<State>(options, center)) {}
+Aligner::~Aligner() = default;
+void Aligner::push(const GeoKeyframe& keyframe) { state_->push(keyframe); }
+Alignment Aligner::solve(const std::vector<GeoSegment>& segments,
+                         const std::vector<GnssQuality>& quality,
+                         const std::vector<CameraModel>& cameras) {
+  return state_->solve(segments, quality, cameras);
+}
+
+}  // namespace cf

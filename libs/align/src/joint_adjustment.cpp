@@ -1,0 +1,408 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/align/joint_adjustment.h"
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "cf/geometry/triangulation.h"
+
+namespace cf {
+namespace {
+
+/// Lens of one UAV in units that do not depend on the photo's size: focal length over width, then
+/// k1, k2, p1, p2. The principal point is held: on nadir flights it cannot be told from p1, p2.
+constexpr int kLens = 5;
+using Lens = std::array<double, kLens>;
+
+Lens lensOf(const CameraModel& c) { return {c.fx / c.width, c.k1, c.k2, c.p1, c.p2}; }
+
+CameraModel withLens(CameraModel camera, const Lens& lens) {
+  const double aspect = camera.fy / camera.fx;
+  camera.fx = lens[0] * camera.width;
+  camera.fy = aspect * camera.fx;
+  camera.k1 = lens[1];
+  camera.k2 = lens[2];
+  camera.p1 = lens[3];
+  camera.p2 = lens[4];
+  return camera;
+}
+
+struct PoseBlock {
+  double q[4];  ///< T_world_cam, w x y z
+  double t[3];
+};
+
+/// Distorted pixel of a world point minus where it was seen, in sigmas.
+struct ReprojectionError {
+  Eigen::Vector2d pixel;
+  double width, aspect, cx, cy, k3, inverse_sigma;
+
+  template <class T>
+  bool operator()(const T* q, const T* t, const T* point, const T* lens, T* residual) const {
+    const T d[3] = {point[0] - t[0], point[1] - t[1], point[2] - t[2]};
+    const T inverse[4] = {q[0], -q[1], -q[2], -q[3]};
+    T c[3];
+    ceres::QuaternionRotatePoint(inverse, d, c);
+    if (c[2] < T(1e-6)) return false;
+    const T x = c[0] / c[2], y = c[1] / c[2], r2 = x * x + y * y;
+    const T radial = T(1) + r2 * (lens[1] + r2 * (lens[2] + r2 * T(k3)));
+    const T xd = x * radial + T(2) * lens[3] * x * y + lens[4] * (r2 + T(2) * x * x);
+    const T yd = y * radial + lens[3] * (r2 + T(2) * y * y) + T(2) * lens[4] * x * y;
+    const T f = lens[0] * T(width);
+    residual[0] = T(inverse_sigma) * (f * xd + T(cx) - T(pixel.x()));
+    residual[1] = T(inverse_sigma) * (f * T(aspect) * yd + T(cy) - T(pixel.y()));
+    return true;
+  }
+};
+
+/// Fix minus (camera centre + bias of its UAV), in sigmas.
+struct GnssError {
+  Eigen::Vector3d fix, inverse_sigma;
+  template <class T>
+  bool operator()(const T* t, const T* bias, T* residual) const {
+    for (int i = 0; i < 3; ++i) residual[i] = T(inverse_sigma[i]) * (T(fix[i]) - t[i] - bias[i]);
+    return true;
+  }
+};
+
+struct VectorPrior {
+  std::vector<double> mean, inverse_sigma;
+  template <class T>
+  bool operator()(T const* const* x, T* residual) const {
+    for (std::size_t i = 0; i < mean.size(); ++i)
+      residual[i] = T(inverse_sigma[i]) * (x[0][i] - T(mean[i]));
+    return true;
+  }
+};
+
+struct DifferencePrior {
+  Lens inverse_sigma;
+  template <class T>
+  bool operator()(const T* a, const T* b, T* residual) const {
+    for (int i = 0; i < kLens; ++i)
+      residual[i] = T(inverse_sigma[static_cast<std::size_t>(i)]) * (a[i] - b[i]);
+    return true;
+  }
+};
+
+struct AttitudePrior {
+  Eigen::Quaterniond mean;
+  double inverse_sigma;
+  template <class T>
+  bool operator()(const T* q, T* residual) const {
+    const T m[4] = {T(mean.w()), T(-mean.x()), T(-mean.y()), T(-mean.z())};
+    T d[4];
+    ceres::QuaternionProduct(m, q, d);
+    const T sign = d[0] < T(0) ? T(-2) : T(2);
+    for (int i = 0; i < 3; ++i) residual[i] = T(inverse_sigma) * sign * d[i + 1];
+    return true;
+  }
+};
+
+void addPrior(ceres::Problem& problem, double* block, const std::vector<double>& mean,
+              const std::vector<double>& sigma) {
+  std::vector<double> inverse;
+  for (const double value : sigma) inverse.push_back(1 / value);
+  auto* cost = new ceres::DynamicAutoDiffCostFunction<VectorPrior>(new VectorPrior{mean, inverse});
+  cost->AddParameterBlock(static_cast<int>(mean.size()));
+  cost->SetNumResiduals(static_cast<int>(mean.size()));
+  problem.AddResidualBlock(cost, nullptr, block);
+}
+
+/// The state that the rounds of the adjustment improve.
+class Adjustment {
+ public:
+  Adjustment(const MatchGraph& graph, const std::vector<Track>& tracks, const JointProblem& problem,
+             const JointOptions& options)
+      : graph_(graph), tracks_(tracks), problem_(problem), options_(options) {
+    for (const JointPhoto& photo : problem.photos) {
+      const Eigen::Quaterniond q(photo.T_world_cam.linear());
+      const Eigen::Vector3d t = photo.T_world_cam.translation();
+      poses_[photo.id] = {{q.w(), q.x(), q.y(), q.z()}, {t.x(), t.y(), t.z()}};
+    }
+    for (const CameraModel& camera : problem.cameras) lenses_.push_back(lensOf(camera));
+  }
+
+  /// Triangulates every track with the state as it is; observations worse than `threshold`
+  /// (in pixels at the feature size) are left out.
+  std::vector<SparsePoint> triangulateAll(double threshold_px) const {
+    std::map<FrameId, Eigen::Isometry3d> poses;
+    for (const auto& [id, block] : poses_) poses[id] = poseOf(block);
+    std::vector<SparsePoint> points;
+    for (const Track& track : tracks_) {
+      Track kept;
+      std::vector<Sight> sights;
+      std::vector<double> limits;
+      for (const auto& o : track) {
+        const auto pose = poses.find(o.frame);
+        if (pose == poses.end()) continue;
+        const CameraModel camera = cameraOf(o.frame);
+        const FeatureSet& features = *graph_.photo(o.frame).features;
+        kept.push_back(o);
+        sights.push_back(
+            {pose->second,
+             camera.undistort(features.pixel[static_cast<std::size_t>(o.feature)].cast<double>())});
+        limits.push_back(threshold_px * features.pixel_size / camera.fx);
+      }
+      // The worst sight goes until all agree.
+      while (sights.size() >= 2) {
+        const auto point = triangulate(sights);
+        std::size_t worst = 0;
+        double worst_ratio = 0;
+        if (point)
+          for (std::size_t i = 0; i < sights.size(); ++i) {
+            const double ratio = reprojectionError(sights[i], point->position) / limits[i];
+            if (ratio > worst_ratio) {
+              worst_ratio = ratio;
+              worst = i;
+            }
+          }
+        if (point && worst_ratio < 1) {
+          if (point->max_angle_rad > kMinAngle) points.push_back(pointOf(kept, point->position));
+          break;
+        }
+        if (!point && sights.size() == 2) break;
+        const auto at = static_cast<long>(worst);
+        sights.erase(sights.begin() + at);
+        limits.erase(limits.begin() + at);
+        kept.erase(kept.begin() + at);
+      }
+    }
+    return points;
+  }
+
+  void solve(const std::vector<SparsePoint>& all, double loss_sigmas) {
+    const std::vector<SparsePoint> points = choose(all);
+    std::vector<std::array<double, 3>> blocks;
+    for (const SparsePoint& p : points)
+      blocks.push_back({p.position_m.x(), p.position_m.y(), p.position_m.z()});
+    ceres::Problem ceres_problem;
+    auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    ceres::LossFunction* loss = new ceres::CauchyLoss(loss_sigmas);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (const auto& o : points[i].observations) {
+        const Keyframe& photo = graph_.photo(o.frame);
+        const CameraModel& c = photo.camera;
+        const double sigma = options_.feature_sigma_px * photo.features->pixel_size;
+        PoseBlock& pose = poses_.at(o.frame);
+        ceres_problem.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<ReprojectionError, 2, 4, 3, 3, kLens>(
+                new ReprojectionError{
+                    photo.features->pixel[static_cast<std::size_t>(o.feature)].cast<double>(),
+                    static_cast<double>(c.width), c.fy / c.fx, c.cx, c.cy, c.k3, 1 / sigma}),
+            loss, pose.q, pose.t, blocks[i].data(), lenses_[o.frame.uav].data());
+      }
+      ordering->AddElementToGroup(blocks[i].data(), 0);
+    }
+    if (points.empty()) {
+      delete loss;
+      return;
+    }
+    addPosePriors(ceres_problem);
+    addLensPriors(ceres_problem);
+    for (auto& [id, pose] : poses_) {
+      ceres_problem.SetManifold(pose.q, new ceres::QuaternionManifold());
+      ordering->AddElementToGroup(pose.q, 1);
+      ordering->AddElementToGroup(pose.t, 1);
+    }
+    std::vector<double*> others;
+    ceres_problem.GetParameterBlocks(&others);
+    for (double* block : others)
+      if (ordering->GroupId(block) < 0) ordering->AddElementToGroup(block, 1);
+    if (!options_.refine_cameras)
+      for (Lens& lens : lenses_)
+        if (ceres_problem.HasParameterBlock(lens.data()))
+          ceres_problem.SetParameterBlockConstant(lens.data());
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = poses_.size() < 100 ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    solver.linear_solver_ordering = ordering;
+    solver.max_num_iterations = options_.max_iterations;
+    solver.function_tolerance = 1e-4;
+    // One thread: sums of residuals keep one order, so the result is the same bytes every time.
+    solver.num_threads = 1;
+    solver.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &ceres_problem, &summary);
+  }
+
+  JointSolution solution(std::vector<SparsePoint> points) const {
+    JointSolution out;
+    for (const auto& [id, block] : poses_) out.T_world_cam[id] = poseOf(block);
+    for (std::size_t u = 0; u < lenses_.size(); ++u)
+      out.cameras.push_back(withLens(problem_.cameras[u], lenses_[u]));
+    for (const auto& [uav, bias] : biases_)
+      out.bias_m[uav] = Eigen::Vector3d(bias[0], bias[1], bias[2]);
+    double sum = 0;
+    std::size_t count = 0;
+    for (const SparsePoint& p : points)
+      for (const auto& o : p.observations) {
+        const FeatureSet& features = *graph_.photo(o.frame).features;
+        const Eigen::Vector2d e =
+            cameraOf(o.frame).project(out.T_world_cam.at(o.frame).inverse() * p.position_m) -
+            features.pixel[static_cast<std::size_t>(o.feature)].cast<double>();
+        sum += e.squaredNorm() / (features.pixel_size * features.pixel_size);
+        ++count;
+      }
+    out.reprojection_rms_px = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+    out.points = std::move(points);
+    return out;
+  }
+
+ private:
+  static constexpr double kMinAngle = 0.01;  ///< between rays, for a depth worth having [rad]
+
+  static Eigen::Isometry3d poseOf(const PoseBlock& block) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = Eigen::Quaterniond(block.q[0], block.q[1], block.q[2], block.q[3])
+                     .normalized()
+                     .toRotationMatrix();
+    T.translation() = Eigen::Vector3d(block.t[0], block.t[1], block.t[2]);
+    return T;
+  }
+
+  CameraModel cameraOf(FrameId id) const {
+    return withLens(graph_.photo(id).camera, lenses_[id.uav]);
+  }
+
+  SparsePoint pointOf(const Track& track, const Eigen::Vector3d& position) const {
+    SparsePoint point;
+    point.position_m = position;
+    point.observations = track;
+    const auto& first = track.front();
+    const std::uint8_t* bgr = graph_.photo(first.frame).features->colour.data() + 3 * first.feature;
+    std::copy(bgr, bgr + 3, point.bgr);
+    return point;
+  }
+
+  /// Points for the adjustment: the longest tracks first, those that cross UAVs before others,
+  /// until the cells of a grid over each photo have their share.
+  std::vector<SparsePoint> choose(const std::vector<SparsePoint>& all) const {
+    constexpr int kGrid = 6;
+    const int quota = std::max(1, options_.points_per_photo / (kGrid * kGrid));
+    std::vector<std::size_t> order(all.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    const auto rank = [&](std::size_t i) {
+      const auto& o = all[i].observations;
+      const bool crosses = std::any_of(
+          o.begin(), o.end(), [&](const auto& x) { return x.frame.uav != o.front().frame.uav; });
+      return std::pair(crosses, o.size());
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return rank(a) > rank(b); });
+    std::map<FrameId, std::array<int, kGrid * kGrid>> used;
+    for (const auto& [id, pose] : poses_) used[id].fill(0);
+    std::vector<SparsePoint> chosen;
+    for (const std::size_t i : order) {
+      bool wanted = false;
+      std::vector<int*> cells;
+      for (const auto& o : all[i].observations) {
+        const Keyframe& photo = graph_.photo(o.frame);
+        const auto& pixel = photo.features->pixel[static_cast<std::size_t>(o.feature)];
+        const int cx =
+            std::clamp(static_cast<int>(pixel.x() * kGrid / static_cast<float>(photo.camera.width)),
+                       0, kGrid - 1);
+        const int cy = std::clamp(
+            static_cast<int>(pixel.y() * kGrid / static_cast<float>(photo.camera.height)), 0,
+            kGrid - 1);
+        int& cell = used.at(o.frame)[static_cast<std::size_t>(cy * kGrid + cx)];
+        wanted = wanted || cell < quota;
+        cells.push_back(&cell);
+      }
+      if (!wanted) continue;
+      for (int* cell : cells) ++*cell;
+      chosen.push_back(all[i]);
+    }
+    return chosen;
+  }
+
+  void addPosePriors(ceres::Problem& problem) {
+    const double n = std::sqrt(static_cast<double>(problem_.photos.size()));
+    for (const JointPhoto& photo : problem_.photos) {
+      PoseBlock& pose = poses_.at(photo.id);
+      // What is given counts once for the whole component, as one observation of 3 degrees and of
+      // a fifth of the depth: enough for what nothing else observes, nothing against what does.
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<AttitudePrior, 3, 4>(
+              new AttitudePrior{Eigen::Quaterniond(photo.T_world_cam.linear()), 1 / (0.05 * n)}),
+          nullptr, pose.q);
+      const Eigen::Vector3d t = photo.T_world_cam.translation();
+      const double arm = 0.2 * problem_.median_depth_m * n;
+      addPrior(problem, pose.t, {t.x(), t.y(), t.z()}, {arm, arm, arm});
+      if (!photo.fix) continue;
+      auto& bias = biases_[photo.id.uav];
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GnssError, 3, 3, 3>(new GnssError{
+                                   photo.fix->position_m, photo.fix->sigma_m.cwiseInverse()}),
+                               new ceres::HuberLoss(2), pose.t, bias.data());
+    }
+    const double h = options_.bias_sigma_horizontal_m, v = options_.bias_sigma_vertical_m;
+    for (auto& [uav, bias] : biases_) addPrior(problem, bias.data(), {0, 0, 0}, {h, h, v});
+  }
+
+  /// Each UAV's lens is near the mean of the UAVs that were given the same camera, and that is near
+  /// what was given.
+  void addLensPriors(ceres::Problem& problem) {
+    groups_.clear();
+    for (std::size_t u = 0; u < lenses_.size(); ++u) {
+      if (!problem.HasParameterBlock(lenses_[u].data())) continue;
+      const Lens given = lensOf(problem_.cameras[u]);
+      const CameraModel& c = problem_.cameras[u];
+      auto [group, is_new] = groups_.try_emplace(given, lenses_[u]);
+      if (is_new)
+        addPrior(problem, group->second.data(), {given.begin(), given.end()},
+                 {std::max(1e-6, c.focal_sigma / c.width), std::max(1e-6, c.k1_sigma),
+                  std::max(1e-6, c.k2_sigma), kTangentialSigma, kTangentialSigma});
+      const double f = 1 / (options_.focal_deviation * given[0]);
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<DifferencePrior, kLens, kLens, kLens>(
+              new DifferencePrior{{f, 1 / 0.005, 1 / 0.005, 1 / 0.0005, 1 / 0.0005}}),
+          nullptr, lenses_[u].data(), group->second.data());
+    }
+  }
+
+  static constexpr double kTangentialSigma = 0.002;
+
+  const MatchGraph& graph_;
+  const std::vector<Track>& tracks_;
+  const JointProblem& problem_;
+  const JointOptions& options_;
+  std::map<FrameId, PoseBlock> poses_;
+  std::vector<Lens> lenses_;
+  std::map<Lens, Lens> groups_;  ///< by the lens given
+  std::map<std::uint16_t, std::array<double, 3>> biases_;
+};
+
+}  // namespace
+
+void JointOptions::visit(OptionVisitor& v) {
+  v.integer("points_per_photo", points_per_photo, {36, 5000}, "points adjusted per photo");
+  v.number("feature_sigma_px", feature_sigma_px, {0.1, 10},
+           "of a feature, at the feature size [px]");
+  v.number("focal_deviation", focal_deviation, {1e-6, 0.2},
+           "relative, between UAVs with the same camera model");
+  v.number("bias_sigma_horizontal_m", bias_sigma_horizontal_m, {0.001, 1000},
+           "prior of a UAV's GNSS bias [m]");
+  v.number("bias_sigma_vertical_m", bias_sigma_vertical_m, {0.001, 1000},
+           "prior of a UAV's GNSS bias [m]");
+  v.flag("refine_cameras", refine_cameras, "focal length and distortion of each UAV");
+  v.integer("max_iterations", max_iterations, {1, 500}, "of each of the three rounds");
+}
+
+JointSolution adjustJointly(const MatchGraph& graph, const std::vector<Track>& tracks,
+                            const JointProblem& problem, const JointOptions& options) {
+  Adjustment adjustment(graph, tracks, problem, options);
+  // From coarse to fine: what was thrown out while the poses were rough gets its chance again.
+  struct Round {
+    double threshold_px, loss_sigmas;
+  };
+  for (const Round round : {Round{30, 6}, Round{8, 3}, Round{3, 2}})
+    adjustment.solve(adjustment.triangulateAll(round.threshold_px), round.loss_sigmas);
+  return adjustment.solution(adjustment.triangulateAll(2));
+}
+
+}  // namespace cf

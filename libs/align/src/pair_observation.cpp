@@ -1,0 +1,325 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/align/pair_observation.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "cf/geometry/homography.h"
+#include "cf/geometry/triangulation.h"
+#include "cf/geometry/two_view.h"
+#include "epipolar_refinement.h"
+
+namespace cf {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+constexpr int kMinDepths = 10;
+/// Depths of one photo share errors that their spread does not show.
+constexpr double kDepthFloor = 0.003;
+
+using Points = std::vector<Eigen::Vector2d>;
+
+struct Matched {
+  Points a, b;
+  std::vector<double> depth_a, depth_b;  ///< metres by the segment's scale; 0 = unknown
+};
+
+double depthOf(const PairView& view, int feature) {
+  const auto i = static_cast<std::size_t>(feature);
+  const std::vector<float>& inverse = view.keyframe->inverse_depth;
+  return i < inverse.size() && inverse[i] > 0 ? view.scale / static_cast<double>(inverse[i]) : 0;
+}
+
+Matched gather(const PairView& a, const PairView& b, const std::vector<FeatureMatch>& matches) {
+  Matched m;
+  const auto point = [](const PairView& view, int feature) {
+    const auto& pixel = view.keyframe->features->pixel[static_cast<std::size_t>(feature)];
+    return view.keyframe->camera.undistort(pixel.cast<double>());
+  };
+  for (const FeatureMatch& match : matches) {
+    m.a.push_back(point(a, match.a));
+    m.b.push_back(point(b, match.b));
+    m.depth_a.push_back(depthOf(a, match.a));
+    m.depth_b.push_back(depthOf(b, match.b));
+  }
+  return m;
+}
+
+/// Normal of the plane that fits the depths: 1/z is linear in the normalized coordinates, with
+/// gradient normal/distance. Iteratively reweighted, so that trees and roofs do not tilt it.
+std::optional<Eigen::Vector3d> normalOfDepths(const Points& points,
+                                              const std::vector<double>& depths) {
+  std::vector<Eigen::Vector4d> rows;  // x, y, 1, 1/z
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (depths[i] > 0) rows.emplace_back(points[i].x(), points[i].y(), 1, 1 / depths[i]);
+  }
+  if (static_cast<int>(rows.size()) < 2 * kMinDepths) return std::nullopt;
+  Eigen::Vector3d fit = Eigen::Vector3d::Zero();
+  std::vector<double> weight(rows.size(), 1), residual(rows.size());
+  for (int round = 0; round < 10; ++round) {
+    Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const Eigen::Vector3d x = rows[i].head<3>();
+      hessian += weight[i] * x * x.transpose();
+      gradient += weight[i] * x * rows[i][3];
+    }
+    fit = hessian.ldlt().solve(gradient);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      residual[i] = std::abs(rows[i].head<3>().dot(fit) - rows[i][3]);
+    }
+    std::vector<double> sorted = residual;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const double scale = std::max(2 * *middle, 1e-12);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      weight[i] = 1 / (1 + std::pow(residual[i] / scale, 2));
+    }
+  }
+  if (fit.z() <= 0) return std::nullopt;
+  return fit.normalized();
+}
+
+/// Pose of b in a up to the length of its translation.
+struct Observed {
+  PairModel model = PairModel::kHomography;
+  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< translation in units of its model
+  std::vector<char> inlier;
+  int inliers = 0;
+  double across_sigma = 0, along_sigma = 0;  ///< of the translation, in the same units
+  Eigen::Vector3d rotation_variance = Eigen::Vector3d::Zero();
+  std::vector<double> depth_a, depth_b;  ///< per match, in the same units; 0 = none
+};
+
+PlanePrior priorOf(const PairView& a, const PairView& b, const Matched& m, double sigma_rad) {
+  PlanePrior prior;
+  prior.normal_a = normalOfDepths(m.a, m.depth_a);
+  prior.normal_sigma_rad = 0.15;
+  if (!prior.normal_a && a.trusted) {
+    prior.normal_a = a.T_world_cam.linear().transpose() * -Eigen::Vector3d::UnitZ();
+    prior.normal_sigma_rad = std::hypot(0.15, sigma_rad);
+  }
+  if (a.trusted && b.trusted) {
+    prior.R_a_b = predictRelativePose(a.T_world_cam, b.T_world_cam).linear();
+    prior.rotation_sigma_rad = std::sqrt(2.0) * sigma_rad;
+  }
+  return prior;
+}
+
+/// Two decompositions that the prior cannot tell apart, and that do not agree either.
+bool ambiguous(const PlanarPose& pose) {
+  for (const PlaneMotion& rival : pose.alternatives) {
+    const Eigen::AngleAxisd apart(
+        Eigen::Matrix3d(rival.T_a_b.linear().transpose() * pose.motion.T_a_b.linear()));
+    if (apart.angle() > 1 * kDegree && rival.prior_cost < pose.motion.prior_cost + 4) return true;
+  }
+  return false;
+}
+
+Observed byHomography(const PlanarPose& pose, const Matched& m) {
+  Observed o;
+  o.T_a_b = pose.motion.T_a_b;
+  o.inlier = pose.inlier;
+  o.inliers = pose.inliers;
+  const Eigen::Vector3d c = o.T_a_b.translation();
+  const Eigen::Vector3d u =
+      c.norm() > 0 ? c.normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitX());
+  const Eigen::Matrix3d covariance = pose.covariance.topLeftCorner<3, 3>();
+  const double along = u.dot(covariance * u);
+  o.along_sigma = std::sqrt(along);
+  o.across_sigma = std::sqrt((covariance.trace() - along) / 2);
+  o.rotation_variance = pose.covariance.diagonal().segment<3>(3);
+  // The plane n.p = 1 gives each point its depth, in a and in b.
+  const Eigen::Vector3d n_b = o.T_a_b.linear().transpose() * pose.motion.normal_a;
+  const double d_b = 1 - pose.motion.normal_a.dot(c);
+  for (std::size_t i = 0; i < m.a.size(); ++i) {
+    o.depth_a.push_back(1 / pose.motion.normal_a.dot(m.a[i].homogeneous()));
+    o.depth_b.push_back(d_b / n_b.dot(m.b[i].homogeneous()));
+  }
+  return o;
+}
+
+Observed byEssential(const TwoView& view, const Matched& m) {
+  Observed o;
+  o.model = PairModel::kEssential;
+  const EpipolarPose pose = refineEpipolar(view.T_a_b, m.a, m.b, view.inlier);
+  o.T_a_b = pose.T_a_b;
+  o.inlier = view.inlier;
+  o.inliers = view.inliers;
+  o.across_sigma = std::sqrt(pose.covariance.diagonal().head<2>().mean());
+  o.rotation_variance = pose.covariance.diagonal().tail<3>();
+  o.depth_a.assign(m.a.size(), 0);
+  o.depth_b.assign(m.a.size(), 0);
+  const Eigen::Isometry3d T_b_a = pose.T_a_b.inverse();
+  for (std::size_t i = 0; i < m.a.size(); ++i) {
+    if (!o.inlier[i]) continue;
+    const auto point = triangulate({{Eigen::Isometry3d::Identity(), m.a[i]}, {pose.T_a_b, m.b[i]}});
+    if (!point) continue;
+    o.depth_a[i] = point->position.z();
+    o.depth_b[i] = (T_b_a * point->position).z();
+  }
+  return o;
+}
+
+/// Whether the homography explains what an essential matrix would. Counting the essential matrix's
+/// inliers costs far more than the homography (50 ms against 1), so only where it is in doubt.
+bool isPlanar(const Result<PlanarPose>& planar, const Matched& m, const PairOptions& options) {
+  if (!planar) return false;
+  if (2 * planar->inliers >= static_cast<int>(m.a.size())) return true;
+  const std::vector<char> consistent = consistentMatches(m.a, m.b, options.threshold);
+  const auto epipolar = std::count(consistent.begin(), consistent.end(), 1);
+  return planar->inliers >= options.planar_share * static_cast<double>(epipolar);
+}
+
+/// Metres per unit of the observed translation: median of known over observed depths.
+DepthLength lengthBy(const std::vector<double>& known, const std::vector<double>& observed,
+                     const Observed& o) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (o.inlier[i] && known[i] > 0 && observed[i] > 0) ratios.push_back(known[i] / observed[i]);
+  }
+  if (static_cast<int>(ratios.size()) < kMinDepths) return {};
+  const auto middle = static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  const auto median = [&] {
+    std::nth_element(ratios.begin(), ratios.begin() + middle, ratios.end());
+    return ratios[static_cast<std::size_t>(middle)];
+  };
+  const double unit_m = median();
+  const auto count = static_cast<double>(ratios.size());
+  for (double& r : ratios) r = std::abs(r - unit_m);
+  // Sigma of a median from the median absolute deviation.
+  const double unit_sigma_m =
+      std::hypot(1.2533 * 1.4826 * median() / std::sqrt(count), kDepthFloor * unit_m);
+  const double units = o.T_a_b.translation().norm();
+  return {units * unit_m, std::hypot(o.along_sigma * unit_m, units * unit_sigma_m)};
+}
+
+/// Of the inliers, in a, in units of the observed translation.
+double meanDepth(const Observed& o) {
+  double sum = 0;
+  for (std::size_t i = 0; i < o.inlier.size(); ++i) sum += o.inlier[i] ? o.depth_a[i] : 0;
+  return sum / o.inliers;
+}
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+void PairOptions::visit(OptionVisitor& v) {
+  v.number("pair_threshold", threshold, {1e-5, 0.05},
+           "inlier distance of a match between two UAVs, pixels over focal length");
+  v.integer("pair_min_inliers", min_inliers, {8, 10000}, "inliers that a relative pose needs");
+  v.number("pair_min_share", min_share, {0, 1}, "share of the matches that must be inliers");
+  v.number("pair_planar_share", planar_share, {0, 1},
+           "a homography with this part of the essential matrix's inliers is preferred to it");
+  v.number("pair_max_rotation_deg", max_rotation_deg, {0.1, 180},
+           "largest angle between a relative pose and the georeferenced attitudes [deg]");
+  v.number("pair_prior_sigma_deg", prior_sigma_deg, {0.1, 90},
+           "standard deviation of a georeferenced attitude [deg]");
+  v.number("pair_systematic", systematic, {0, 0.01},
+           "error that all matches of a pair share, pixels over focal length");
+}
+
+const char* name(PairModel model) {
+  return model == PairModel::kHomography ? "homography" : "essential";
+}
+
+Eigen::Isometry3d predictRelativePose(const Eigen::Isometry3d& T_world_a,
+                                      const Eigen::Isometry3d& T_world_b) {
+  return T_world_a.inverse() * T_world_b;
+}
+
+Result<PairObservation> observePair(const PairView& a, const PairView& b,
+                                    const std::vector<FeatureMatch>& matches,
+                                    const PairOptions& options) {
+  const std::string total = std::to_string(matches.size()) + " matches";
+  if (static_cast<int>(matches.size()) < options.min_inliers) {
+    return Failure{"few_matches", total + ", " + std::to_string(options.min_inliers) + " needed"};
+  }
+  const Matched m = gather(a, b, matches);
+  const double prior_sigma_rad = options.prior_sigma_deg * kDegree;
+  const auto planar = estimatePlanarPose(m.a, m.b, priorOf(a, b, m, prior_sigma_rad),
+                                         {options.threshold, options.min_inliers});
+  Observed o;
+  if (isPlanar(planar, m, options)) {
+    if (ambiguous(*planar)) {
+      return Failure{"ambiguous",
+                     "two planes explain the photos and neither depths nor attitudes "
+                     "tell which"};
+    }
+    o = byHomography(*planar, m);
+  } else {
+    TwoViewOptions two_view;
+    two_view.threshold = options.threshold;
+    two_view.min_inliers = options.min_inliers;
+    const auto view = estimateTwoView(m.a, m.b, two_view);
+    if (!view) return view.failure();
+    o = byEssential(*view, m);
+  }
+  if (o.inliers < options.min_share * static_cast<double>(matches.size())) {
+    return Failure{"low_share", std::to_string(o.inliers) + " inliers of " + total};
+  }
+
+  PairObservation result;
+  result.model = o.model;
+  result.segment_a = a.keyframe->segment;
+  result.segment_b = b.keyframe->segment;
+  const Eigen::Isometry3d predicted = predictRelativePose(a.T_world_cam, b.T_world_cam);
+  if (a.trusted && b.trusted) {
+    const Eigen::AngleAxisd apart(
+        Eigen::Matrix3d(predicted.linear().transpose() * o.T_a_b.linear()));
+    if (apart.angle() > options.max_rotation_deg * kDegree) {
+      return Failure{"against_prior", std::to_string(apart.angle() / kDegree) +
+                                          " degrees from the georeferenced attitudes"};
+    }
+    // Equation (8): the homography's translation takes the length of the GNSS displacement.
+    result.gnss_length_m = predicted.translation().norm();
+  }
+
+  const double units = o.T_a_b.translation().norm();
+  if (units > 0) result.direction_a = o.T_a_b.translation() / units;
+  result.by_depth_a = lengthBy(m.depth_a, o.depth_a, o);
+  result.by_depth_b = lengthBy(m.depth_b, o.depth_b, o);
+  double weight = 0, weighted = 0;
+  for (const auto& [by_depth, view] :
+       {std::pair{result.by_depth_a, &a}, std::pair{result.by_depth_b, &b}}) {
+    if (by_depth.sigma_m <= 0) continue;
+    const double w = 1 / (square(by_depth.sigma_m) +
+                          square(by_depth.length_m * view->scale_sigma / view->scale));
+    weight += w;
+    weighted += w * by_depth.length_m;
+  }
+  if (weight <= 0 && result.gnss_length_m <= 0) {
+    return Failure{"no_length", "neither photo has depths, and there is no georeference"};
+  }
+  const double length_m = weight > 0 ? weighted / weight : result.gnss_length_m;
+  const double along_sigma_m = weight > 0 ? 1 / std::sqrt(weight) : 0.5 * length_m;
+  const double unit_m = units > 0 ? length_m / units : 1;
+  // What all matches share turns into an error of rotation, and of translation over depth.
+  const double rotation_floor = square(options.systematic);
+  const double across_floor_m = options.systematic * unit_m * meanDepth(o);
+  result.across_sigma_m = std::hypot(o.across_sigma * unit_m, across_floor_m);
+  result.rotation_sigma_rad = std::sqrt(o.rotation_variance.mean() + rotation_floor);
+
+  RelativePose& pose = result.pose;
+  pose.a = a.keyframe->id;
+  pose.b = b.keyframe->id;
+  pose.inliers = o.inliers;
+  pose.T_a_b = o.T_a_b;
+  pose.T_a_b.translation() = length_m * result.direction_a;
+  const Eigen::Vector3d u2 = result.direction_a.cwiseAbs2();
+  pose.sigma.head<3>() =
+      (square(along_sigma_m) * u2 + square(result.across_sigma_m) * (Eigen::Vector3d::Ones() - u2))
+          .cwiseSqrt();
+  pose.sigma.tail<3>() = (o.rotation_variance.array() + rotation_floor).sqrt();
+  pose.residual_before = (predicted.translation() - pose.T_a_b.translation()).norm();
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (o.inlier[i]) result.inliers.push_back(matches[i]);
+  }
+  return result;
+}
+
+}  // namespace cf

@@ -1,0 +1,275 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/align/segment_joining.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "cf/geometry/pnp.h"
+#include "cf/geometry/similarity.h"
+
+namespace cf {
+namespace {
+
+constexpr int kMinSharedPoints = 12;
+constexpr double kRelativeDepth = 50;  ///< median depth of a map without any georeference
+
+/// A segment in its own frame: the georeferenced world, or its local frame.
+struct Piece {
+  const GeoSegment* segment = nullptr;
+  std::map<FrameId, Eigen::Isometry3d> poses;
+  double scale = 1;         ///< piece frame units per VO unit
+  double median_depth = 0;  ///< piece frame units; 0 = nothing triangulated
+};
+
+double medianOf(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Piece pieceOf(const GeoSegment& segment, const MatchGraph& graph) {
+  Piece piece;
+  piece.segment = &segment;
+  piece.scale = segment.georeferenced ? segment.scale : 1;
+  std::vector<double> depths;
+  for (const auto& pose : segment.poses) {
+    if (graph.photos().count(pose.frame) == 0) continue;
+    piece.poses[pose.frame] = pose.T_world_cam;
+    for (const float inverse : graph.photo(pose.frame).inverse_depth)
+      if (inverse > 0) depths.push_back(piece.scale / static_cast<double>(inverse));
+  }
+  piece.median_depth = medianOf(std::move(depths));
+  return piece;
+}
+
+/// A feature's point in the frame of a pose; false where it has no depth.
+bool pointOf(const Keyframe& photo, int feature, const Eigen::Isometry3d& T_frame_cam, double scale,
+             Eigen::Vector3d& point) {
+  const auto f = static_cast<std::size_t>(feature);
+  if (photo.inverse_depth[f] <= 0) return false;
+  const Eigen::Vector3d ray =
+      photo.camera.undistort(photo.features->pixel[f].cast<double>()).homogeneous();
+  point =
+      T_frame_cam * Eigen::Vector3d(ray * (scale / static_cast<double>(photo.inverse_depth[f])));
+  return true;
+}
+
+struct Joint {
+  int a = 0, b = 0;
+  int inliers = 0;
+  Sim3 S_a_b;
+};
+
+std::vector<Joint> findJoints(const std::vector<Piece>& pieces, const MatchGraph& graph) {
+  std::map<FrameId, int> piece_of;
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    for (const auto& [id, T] : pieces[i].poses) piece_of[id] = static_cast<int>(i);
+  struct Shared {
+    std::vector<Eigen::Vector3d> a, b;
+  };
+  std::map<std::pair<int, int>, Shared> shared;
+  for (const auto& [pair, matches] : graph.pairs()) {
+    const auto pa = piece_of.find(pair.first), pb = piece_of.find(pair.second);
+    if (pa == piece_of.end() || pb == piece_of.end() || pa->second == pb->second) continue;
+    const bool ordered = pa->second < pb->second;
+    Shared& points = shared[std::minmax(pa->second, pb->second)];
+    const Piece& A = pieces[static_cast<std::size_t>(pa->second)];
+    const Piece& B = pieces[static_cast<std::size_t>(pb->second)];
+    for (const FeatureMatch& m : matches) {
+      Eigen::Vector3d a, b;
+      if (!pointOf(graph.photo(pair.first), m.a, A.poses.at(pair.first), A.scale, a) ||
+          !pointOf(graph.photo(pair.second), m.b, B.poses.at(pair.second), B.scale, b))
+        continue;
+      points.a.push_back(ordered ? a : b);
+      points.b.push_back(ordered ? b : a);
+    }
+  }
+  std::vector<Joint> joints;
+  for (const auto& [key, points] : shared) {
+    const double depth = pieces[static_cast<std::size_t>(key.first)].median_depth;
+    const auto alignment = alignPointsRobust(points.a, points.b, AlignmentModel::kSim3,
+                                             0.03 * depth, kMinSharedPoints, 1);
+    if (alignment) joints.push_back({key.first, key.second, alignment->inliers, alignment->S_a_b});
+  }
+  return joints;
+}
+
+/// A tree of joined pieces: each piece's frame in the frame of the root.
+struct Tree {
+  std::vector<int> pieces;
+  std::map<int, Sim3> S_root_piece;
+  std::size_t photos = 0, center_photos = 0;
+};
+
+std::vector<Tree> growTrees(const std::vector<Piece>& pieces, std::vector<Joint> joints,
+                            std::uint16_t center) {
+  std::sort(joints.begin(), joints.end(), [](const Joint& x, const Joint& y) {
+    return x.inliers != y.inliers ? x.inliers > y.inliers
+                                  : std::pair(x.a, x.b) < std::pair(y.a, y.b);
+  });
+  // The largest pieces become roots first, georeferenced ones before others.
+  std::vector<int> order(pieces.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  const auto rank = [&](int i) {
+    const Piece& p = pieces[static_cast<std::size_t>(i)];
+    return std::pair(p.segment->georeferenced, p.poses.size());
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int x, int y) { return rank(x) > rank(y); });
+  std::set<int> taken;
+  std::vector<Tree> trees;
+  for (const int root : order) {
+    if (taken.count(root) > 0 || pieces[static_cast<std::size_t>(root)].poses.empty()) continue;
+    Tree tree;
+    tree.S_root_piece[root] = Sim3{};
+    taken.insert(root);
+    for (bool grown = true; grown;) {
+      grown = false;
+      // Prim's algorithm: the strongest joint that leads out of the tree.
+      for (const Joint& joint : joints) {
+        const bool has_a = tree.S_root_piece.count(joint.a) > 0;
+        const bool has_b = tree.S_root_piece.count(joint.b) > 0;
+        if (has_a == has_b || taken.count(has_a ? joint.b : joint.a) > 0) continue;
+        const int next = has_a ? joint.b : joint.a;
+        tree.S_root_piece[next] = has_a ? tree.S_root_piece[joint.a] * joint.S_a_b
+                                        : tree.S_root_piece[joint.b] * joint.S_a_b.inverse();
+        taken.insert(next);
+        grown = true;
+        break;
+      }
+    }
+    for (const auto& [i, S] : tree.S_root_piece) {
+      const Piece& piece = pieces[static_cast<std::size_t>(i)];
+      tree.pieces.push_back(i);
+      tree.photos += piece.poses.size();
+      if (piece.segment->id.uav == center) tree.center_photos += piece.poses.size();
+    }
+    trees.push_back(std::move(tree));
+  }
+  std::stable_sort(trees.begin(), trees.end(), [](const Tree& x, const Tree& y) {
+    return std::pair(x.center_photos, x.photos) > std::pair(y.center_photos, y.photos);
+  });
+  return trees;
+}
+
+/// The world as the georeferenced pieces of a tree see it together: their camera centres, and a
+/// point along each camera axis so that attitudes count where the centres lie on a line.
+Result<Sim3> worldOf(const Tree& tree, const std::vector<Piece>& pieces) {
+  std::vector<Eigen::Vector3d> world, root;
+  std::vector<double> weights;
+  for (const int i : tree.pieces) {
+    const Piece& piece = pieces[static_cast<std::size_t>(i)];
+    if (!piece.segment->georeferenced) continue;
+    const Sim3& S = tree.S_root_piece.at(i);
+    const double arm = 0.5 * std::max(piece.median_depth, 1e-3);
+    for (const auto& pose : piece.segment->poses) {
+      if (piece.poses.count(pose.frame) == 0) continue;
+      const double sigma2 = std::max(1e-4, pose.covariance.topLeftCorner<3, 3>().trace() / 3);
+      const double weight = 1 / (sigma2 + 0.01 * arm * arm);
+      for (const Eigen::Vector3d& offset :
+           {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(arm, 0, 0), Eigen::Vector3d(0, arm, 0),
+            Eigen::Vector3d(0, 0, arm)}) {
+        const Eigen::Vector3d p = pose.T_world_cam * offset;
+        world.push_back(p);
+        root.push_back(S * p);
+        weights.push_back(offset.isZero() ? weight : 0.3 * weight);
+      }
+    }
+  }
+  return alignPoints(world, root, AlignmentModel::kSim3, weights);
+}
+
+/// Without any georeference: a world whose origin is the first camera, in which the cameras look
+/// down on average, and whose unit makes the median depth 50.
+Sim3 levelled(const Piece& piece) {
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  for (const auto& [id, T] : piece.poses) axis += T.linear().col(2);
+  Sim3 S;
+  S.scale = piece.median_depth > 0 ? kRelativeDepth / piece.median_depth : 1;
+  S.rotation =
+      Eigen::Quaterniond::FromTwoVectors(axis, -Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  S.translation = -S.scale * (S.rotation * piece.poses.begin()->second.translation());
+  return S;
+}
+
+/// Poses photos without a segment of their own against the points that their matches see.
+void resectLoners(const MatchGraph& graph, const std::vector<Piece>& pieces, Placement& placement) {
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (const Piece& piece : pieces) {
+      if (piece.poses.size() != 1) continue;
+      const FrameId id = piece.poses.begin()->first;
+      if (placement.photos.count(id) > 0) continue;
+      const Keyframe& photo = graph.photo(id);
+      std::map<int, std::pair<std::vector<Eigen::Vector3d>, std::vector<Eigen::Vector2d>>>
+          by_component;
+      for (const auto& [pair, matches] : graph.pairs()) {
+        if (pair.first != id && pair.second != id) continue;
+        const FrameId other = pair.first == id ? pair.second : pair.first;
+        const auto placed = placement.photos.find(other);
+        if (placed == placement.photos.end()) continue;
+        auto& [points, seen] = by_component[placed->second.component];
+        for (const FeatureMatch& m : matches) {
+          const int own = pair.first == id ? m.a : m.b, theirs = pair.first == id ? m.b : m.a;
+          Eigen::Vector3d p;
+          if (!pointOf(graph.photo(other), theirs, placed->second.T_world_cam, placed->second.scale,
+                       p))
+            continue;
+          points.push_back(p);
+          seen.push_back(photo.camera.undistort(
+              photo.features->pixel[static_cast<std::size_t>(own)].cast<double>()));
+        }
+      }
+      for (const auto& [component, data] : by_component) {
+        const auto pose =
+            resect(data.first, data.second, {2 * graph.threshold(id), kMinSharedPoints});
+        if (!pose) continue;
+        placement.photos[id] = {pose->T_world_cam, 1, component};
+        grown = true;
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Placement joinSegments(const MatchGraph& graph, const std::vector<GeoSegment>& segments,
+                       std::uint16_t center) {
+  std::vector<Piece> pieces;
+  for (const GeoSegment& segment : segments) pieces.push_back(pieceOf(segment, graph));
+  const std::vector<Tree> trees = growTrees(pieces, findJoints(pieces, graph), center);
+
+  Placement placement;
+  placement.relative = std::none_of(segments.begin(), segments.end(),
+                                    [](const GeoSegment& s) { return s.georeferenced; });
+  const auto place = [&](const Tree& tree, const Sim3& S_world_root) {
+    for (const int i : tree.pieces) {
+      const Piece& piece = pieces[static_cast<std::size_t>(i)];
+      const Sim3 S = S_world_root * tree.S_root_piece.at(i);
+      for (const auto& [id, T] : piece.poses)
+        placement.photos[id] = {S.carry(T), S.scale * piece.scale, placement.components};
+    }
+    ++placement.components;
+  };
+  for (const Tree& tree : trees) {
+    if (tree.photos < 2) continue;
+    const auto S_world_root = worldOf(tree, pieces);
+    if (S_world_root)
+      place(tree, *S_world_root);
+    else if (placement.relative && placement.components == 0)
+      place(tree, levelled(pieces[static_cast<std::size_t>(tree.pieces.front())]));
+  }
+  resectLoners(graph, pieces, placement);
+  for (const Tree& tree : trees) {
+    const Piece& piece = pieces[static_cast<std::size_t>(tree.pieces.front())];
+    if (tree.photos == 1 && piece.segment->georeferenced &&
+        placement.photos.count(piece.poses.begin()->first) == 0)
+      place(tree, Sim3{});
+  }
+  return placement;
+}
+
+}  // namespace cf
