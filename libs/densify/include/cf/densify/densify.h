@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "cf/base/options.h"
+#include "cf/base/result.h"
+#include "cf/types/camera_model.h"
+#include "cf/types/depth_frame.h"
+#include "cf/types/ids.h"
+
+namespace cf {
+
+/// Section [densify].
+struct DensifyOptions {
+  double megapixels = 1.5;
+  std::string method = "sgm";
+  int partners = 2;
+  double min_baseline_over_depth = 0.05;
+  double max_baseline_over_depth = 0.8;
+  double max_convergence_deg = 40;
+  double min_overlap = 0.2;
+  int min_confidence = 40;
+
+  void visit(OptionVisitor& visitor);
+};
+
+/// A photo that can take part in a virtual stereo pair: where it is, and how far its scene is along
+/// its optical axis (of its triangulated features: 5th, 50th and 95th percentile).
+struct DenseView {
+  FrameId id;
+  Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
+  CameraModel camera;
+  double near_depth_m = 0, median_depth_m = 0, far_depth_m = 0;
+};
+
+/// Up to options.partners of `others`, best first. What counts is how much of the reference photo
+/// a partner adds: a share that no earlier partner sees counts in full, one seen already counts
+/// less, least from the same direction; times how well its baseline over depth measures (best
+/// between 0.2 and 0.6). Empty when none fits. Photos without depth are never chosen.
+std::vector<FrameId> choosePartners(const DenseView& reference,
+                                    const std::vector<DenseView>& others,
+                                    const DensifyOptions& options);
+
+/// One virtual stereo pair, from rectification to filtered disparity. The images are the decoded
+/// BGR photos, possibly reduced. The failures of rectifyPair, and "no_depth" (the reference has no
+/// depth range), "no_match" (nothing passed the checks).
+Result<DepthFrame> matchPair(const DenseView& reference, const cv::Mat& reference_image,
+                             const DenseView& partner, const cv::Mat& partner_image,
+                             const DensifyOptions& options);
+
+}  // namespace cf

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "cf/densify/stereo_matcher.h"
+
+namespace cf {
+
+/// Clears disparities of reference pixels outside their photo, and of matches that land outside the
+/// partner's photo.
+void clearOutside(cv::Mat& disparity, const StereoInput& input);
+
+/// Clears connected patches of fewer than `min_pixels`; neighbours belong together up to
+/// `max_step_px`.
+void clearSpeckles(cv::Mat& disparity, int min_pixels, double max_step_px);
+
+/// Bilateral mean over the 3 x 3 neighbours that differ by at most `max_step_px` from the centre:
+/// smooths noise, keeps steps.
+void smoothDisparity(cv::Mat& disparity, double max_step_px);
+
+/// Where `fine` has no disparity, takes that of `coarse`, half its size, if it is smooth there; at
+/// a share of its confidence. For surfaces too rough to match pixel by pixel, as tree crowns.
+void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse);
+
+/// CV_8UC1, 0..255; 0 where there is no disparity. From how alike the two images are once the
+/// partner is warped onto the reference (zero-mean normalized correlation of a window), how much
+/// texture the window holds, and how far the neighbouring disparities agree.
+cv::Mat confidenceOf(const cv::Mat& disparity, const StereoInput& input);
+
+}  // namespace cf
