@@ -23,7 +23,8 @@ constexpr std::size_t kMaxSources = 60'000;   ///< voxels of the estimate
 constexpr std::size_t kMinPairs = 50;
 constexpr std::size_t kNeighbours = 12;
 constexpr double kFinestVoxel_m = 0.5;
-constexpr float kMargin_m = 30;  ///< the estimate counts this far beyond the reference
+/// The estimate counts this far beyond the reference; heights may have another datum altogether.
+constexpr float kMargin_m = 30, kHeightMargin_m = 10'000;
 constexpr double kTukey = 4.685;
 constexpr double kDamping = 1e-4;  ///< of the information that a pair may have
 
@@ -137,7 +138,7 @@ Result<Registration> registerClouds(const std::vector<Eigen::Vector3f>& estimate
   const std::vector<Eigen::Vector3f> est = everyNth(estimate, kMaxRead);
   const std::vector<Eigen::Vector3f> ref = everyNth(reference, kMaxRead);
   const Eigen::AlignedBox3f ref_box = boxOf(ref);
-  const Eigen::Vector3f margin = Eigen::Vector3f::Constant(kMargin_m);
+  const Eigen::Vector3f margin(kMargin_m, kMargin_m, kHeightMargin_m);
   const Eigen::AlignedBox3f est_box(ref_box.min() - margin, ref_box.max() + margin);
 
   double voxel = kFinestVoxel_m;
