@@ -19,7 +19,9 @@ constexpr int kMinSide = 64;           // px, of the coarsest level
 constexpr int kMargin = 3;             // px of the finer level, beyond what the coarser one found
 constexpr int kNear = 3, kWide = 12;   // px of the coarser level around a tile
 constexpr int kSpeckle = 120;          // px, smaller patches are dropped
-constexpr int kCoarseSpeckle = 24;     // px of a coarser level
+constexpr double kMinKnown = 0.02;     // share of the pixels around a tile that must be known
+constexpr int kEverywhereStride = 4;
+constexpr int kCoarseSpeckle = 24;  // px of a coarser level
 constexpr double kSpeckleStepPx = 1.5;
 constexpr std::size_t kFillLevels = 3;  // the finest and those that fill its holes
 
@@ -70,6 +72,7 @@ TileRanges refinedRanges(const cv::Mat& coarse, const StereoInput& level) {
   const DisparityRange whole{level.min_disparity_px, level.max_disparity_px};
   TileRanges ranges(level.reference.size(), whole.min, whole.max - whole.min + 1);
   const cv::Rect all(0, 0, coarse.cols, coarse.rows);
+  const AreaRange everywhere = rangeIn(coarse, all, kEverywhereStride);
   constexpr int kSide = TileRanges::kTile / 2;
   for (int row = 0; row < ranges.rows; ++row) {
     for (int column = 0; column < ranges.columns; ++column) {
@@ -81,20 +84,20 @@ TileRanges refinedRanges(const cv::Mat& coarse, const StereoInput& level) {
       };
       AreaRange found = around(kNear);
       if (found.known < 0.5) found = around(kWide);
+      if (found.known < kMinKnown) found = everywhere;
       DisparityRange range = whole;
-      if (found.known > 0.02) {
-        range.min = std::max(whole.min, (2 * found.min) / 16 - kMargin);
-        range.max = std::min(whole.max, (2 * found.max) / 16 + kMargin);
+      if (found.known > 0) {
+        range.min = std::clamp(2 * found.min / 16 - kMargin, whole.min, whole.max);
+        range.max = std::clamp(2 * found.max / 16 + kMargin, whole.min, whole.max);
       }
-      const std::size_t at = ranges.at(column, row);
       if (range.max - range.min >= kMaxSearch) {
-        const int centre =
-            found.known > 0.02 ? (2 * found.median) / 16 : (range.min + range.max) / 2;
-        range.min = std::max(whole.min, centre - kMaxSearch / 2);
-        range.max = std::min(whole.max, range.min + kMaxSearch - 1);
+        range.min = std::clamp(2 * found.median / 16 - kMaxSearch / 2, range.min,
+                               range.max - kMaxSearch + 1);
+        range.max = range.min + kMaxSearch - 1;
       }
       const cv::Rect fine_tile(2 * tile.x, 2 * tile.y, TileRanges::kTile, TileRanges::kTile);
       if (!matchable(level, fine_tile, range)) range.max = range.min;
+      const std::size_t at = ranges.at(column, row);
       // Aligned, so that neighbouring tiles often share their range.
       ranges.min_px[at] = static_cast<int>(std::floor(range.min / 4.0)) * 4;
       ranges.count_px[at] = TileRanges::roundedUp(range.max - ranges.min_px[at] + 1);

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "cf/types/depth_frame.h"
+
+namespace cf {
+
+/// A depth frame as bytes: disparity and confidence lossless (PNG), colour as JPEG of quality 90, a
+/// checksum at the end. About 1.5 bytes a pixel.
+std::string encodeDepthFrame(const DepthFrame& frame);
+
+/// Throws RunError naming `source` on anything but what encodeDepthFrame wrote.
+DepthFrame decodeDepthFrame(const std::string& bytes, const std::string& source);
+
+/// The file appears whole or not at all. Throws RunError naming the path.
+void writeDepthFrame(const std::filesystem::path& path, const DepthFrame& frame);
+DepthFrame readDepthFrame(const std::filesystem::path& path);
+
+}  // namespace cf
