@@ -6,9 +6,9 @@
 #include <octomap/ColorOcTree.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <sstream>
 #include <string>
 
@@ -29,21 +29,44 @@ class Tree : public octomap::ColorOcTree {
  public:
   explicit Tree(double resolution_m) : octomap::ColorOcTree(resolution_m) {}
 
-  /// The leaf of `key` at `depth`; nothing below it may exist.
+  /// The leaf of `key` at `depth`; nothing below it may exist. Fast where consecutive keys are
+  /// near: it descends from the last common ancestor.
   octomap::ColorOcTreeNode& leaf(const octomap::OcTreeKey& key, unsigned depth) {
     if (!root) {
       root = new octomap::ColorOcTreeNode();
       ++tree_size;
+      path_[0] = root;
     }
-    octomap::ColorOcTreeNode* node = root;
-    for (unsigned d = 0; d < depth; ++d) {
+    unsigned differing = 0;
+    for (unsigned k = 0; k < 3; ++k) differing |= static_cast<unsigned>(key[k] ^ last_key_[k]);
+    unsigned d = 0;
+    while (d < last_depth_ && d < depth && (differing >> (kTreeDepth - 1 - d) & 1) == 0) ++d;
+    for (; d < depth; ++d) {
       const unsigned child = octomap::computeChildIdx(key, static_cast<int>(kTreeDepth - 1 - d));
-      node =
-          nodeChildExists(node, child) ? getNodeChild(node, child) : createNodeChild(node, child);
+      path_[d + 1] = nodeChildExists(path_[d], child) ? getNodeChild(path_[d], child)
+                                                      : createNodeChild(path_[d], child);
     }
-    return *node;
+    last_key_ = key;
+    last_depth_ = depth;
+    return *path_[depth];
   }
+
+ private:
+  std::array<octomap::ColorOcTreeNode*, kTreeDepth + 1> path_ = {};
+  octomap::OcTreeKey last_key_;
+  unsigned last_depth_ = 0;
 };
+
+/// Interleaves the low 16 bits of x, y and z: near cells get near numbers.
+std::uint64_t mortonCode(const octomap::OcTreeKey& key) {
+  const auto spread = [](std::uint64_t v) {
+    v = (v | v << 16) & 0x0000FF0000FF;
+    v = (v | v << 8) & 0x00F00F00F00F;
+    v = (v | v << 4) & 0x0C30C30C30C3;
+    return (v | v << 2) & 0x249249249249;
+  };
+  return spread(key[0]) | spread(key[1]) << 1 | spread(key[2]) << 2;
+}
 
 octomap::OcTreeKey keyOf(std::int64_t x, std::int64_t y, std::int64_t z) {
   return {static_cast<octomap::key_type>(x + kCentreKey),
@@ -184,15 +207,23 @@ void OctoMapBuilder::Impl::carveRay(const Eigen::Vector3d& from, const Eigen::Ve
 }
 
 void OctoMapBuilder::Impl::writeHits(Tree& tree) const {
-  std::vector<std::uint32_t> order(hits.size());
-  std::iota(order.begin(), order.end(), 0u);
+  struct Numbered {
+    std::uint64_t code;
+    octomap::OcTreeKey key;
+    std::uint32_t number;
+  };
+  std::vector<Numbered> order;
+  order.reserve(hits.size());
+  for (std::uint32_t number = 0; number < hits.size(); ++number) {
+    const std::uint64_t cell = index.keys()[number];
+    const octomap::OcTreeKey key = keyOf(CellKey::x(cell), CellKey::y(cell), CellKey::z(cell));
+    order.push_back({mortonCode(key), key, number});
+  }
   std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return index.keys()[a] < index.keys()[b]; });
-  for (const std::uint32_t number : order) {
-    const Hits& cell = hits[number];
-    const std::uint64_t key = index.keys()[number];
-    octomap::ColorOcTreeNode& node =
-        tree.leaf(keyOf(CellKey::x(key), CellKey::y(key), CellKey::z(key)), kTreeDepth);
+            [](const Numbered& a, const Numbered& b) { return a.code < b.code; });
+  for (const Numbered& item : order) {
+    const Hits& cell = hits[item.number];
+    octomap::ColorOcTreeNode& node = tree.leaf(item.key, kTreeDepth);
     node.setLogOdds(std::min(tree.getClampingThresMaxLog(),
                              static_cast<float>(cell.count) * tree.getProbHitLog()));
     node.setColor(mean(cell.bgr[2], cell.weight), mean(cell.bgr[1], cell.weight),
