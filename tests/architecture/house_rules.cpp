@@ -32,7 +32,7 @@ const std::map<std::string, Lib> kLibs = {
     {"geometry", {2, {"opencv", "ceres"}}},
     {"geodesy", {2, {"geographiclib"}}},
     {"rawlog", {2, {"mrpt"}}},
-    {"formats", {2, {"pcl", "json"}}},
+    {"formats", {2, {"opencv", "pcl", "json"}}},
     {"config", {2, {"mrpt", "json"}}},
     {"odometry", {3, {"opencv", "ceres", "tbb"}}},
     {"georeference", {3, {"opencv", "ceres", "mrpt", "tbb"}}},
