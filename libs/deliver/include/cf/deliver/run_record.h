@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cf/base/stopwatch.h"
+#include "cf/base/time.h"
+#include "cf/types/camera_model.h"
+#include "cf/types/gnss_fix.h"
+#include "cf/types/keyframe.h"
+#include "cf/types/pose_table.h"
+
+namespace cf {
+
+/// What became of one photo.
+enum class PhotoStatus {
+  kPosed,     ///< has a final pose
+  kUnposed,   ///< could not be tracked
+  kUnjoined,  ///< tracked, but in a part of the flight that nothing ties to the map
+  kDamaged    ///< could not be decoded
+};
+const char* name(PhotoStatus status);
+
+struct PhotoRecord {
+  std::string name;  ///< original base name with extension
+  TimeNs time = 0;
+  PhotoStatus status = PhotoStatus::kUnposed;
+  int segment = -1;  ///< -1: none
+  int keypoints = 0;
+  int matches = 0;
+  int inliers = 0;
+  std::string reason;  ///< why it has no pose; empty if posed
+};
+
+struct PhotoPose {
+  std::uint32_t photo = 0;                                        ///< index into UavRecord::photos
+  Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();  ///< metres
+};
+
+/// The scale of one segment as estimated at one time.
+struct ScaleRow {
+  TimeNs t = 0;
+  int segment = 0;
+  double scale = 1;  ///< metres per VO unit
+  double sigma = 0;
+};
+
+struct UavRecord {
+  std::string name;
+  std::vector<PhotoRecord> photos;           ///< in time order
+  std::vector<PhotoPose> final_trajectory;   ///< by photo; those of status posed
+  std::vector<PhotoPose> online_trajectory;  ///< as known when each photo had been processed
+  CameraModel camera_before, camera_after;
+  std::vector<ScaleRow> scale_history;  ///< in time order
+  GnssQuality gnss;
+  int segments = 0;
+  std::string pose_graph;  ///< MRPT's text form
+};
+
+/// The frame of everything delivered: ENU at a WGS84 origin, or, relative, a local frame of
+/// arbitrary origin and heading (and scale) because no photo had a GNSS position.
+struct WorldRecord {
+  bool relative = false;
+  double latitude_deg = 0, longitude_deg = 0, height_m = 0;  ///< of the origin
+  HeightDatum h_datum = HeightDatum::kUnknown;
+  std::string utm;     ///< "15N"
+  std::string center;  ///< name of the central UAV
+};
+
+/// Everything that a run knows at its end.
+struct RunRecord {
+  std::string version;
+  WorldRecord world;
+  std::vector<UavRecord> uavs;  ///< in the order of the configuration: FrameId::uav
+  std::vector<RelativePose> relative_poses;
+  std::vector<SparsePoint> sparse_points;
+  std::map<std::string, StageSeconds> stages;
+  std::vector<double> latencies_s;  ///< from a photo's arrival to its last product, each
+  std::uint64_t bytes_over_seam = 0;
+  double wall_s = 0;
+  double peak_rss_mb = 0;
+  int components = 0;  ///< groups of photos joined by matches
+  std::vector<std::string> warnings;
+};
+
+}  // namespace cf

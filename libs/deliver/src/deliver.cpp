@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/deliver/deliver.h"
+
+#include "cf/base/log.h"
+
+namespace cf {
+
+const char* name(PhotoStatus status) {
+  switch (status) {
+    case PhotoStatus::kPosed:
+      return "posed";
+    case PhotoStatus::kUnposed:
+      return "unposed";
+    case PhotoStatus::kUnjoined:
+      return "unjoined";
+    case PhotoStatus::kDamaged:
+      return "damaged";
+  }
+  return "unposed";
+}
+
+std::vector<std::string> allWarnings(const RunRecord& run) {
+  std::vector<std::string> warnings = run.warnings;
+  if (run.world.relative) {
+    warnings.push_back(
+        "no GNSS position at all: the map is relative (arbitrary origin and heading); "
+        "all.geojson, all.kml and *.ecef.csv are left out");
+  } else if (run.world.h_datum != HeightDatum::kEllipsoid) {
+    warnings.push_back(run.world.h_datum == HeightDatum::kMsl
+                           ? "heights count from mean sea level; *.ecef.csv takes them as "
+                             "ellipsoidal"
+                           : "what the heights count from is unknown; *.ecef.csv takes them as "
+                             "ellipsoidal");
+  }
+  return warnings;
+}
+
+void deliver(const RunRecord& run, const std::filesystem::path& outdir) {
+  writeWorldJson(run, outdir);
+  writeImagesCsv(run, outdir);
+  writeTrajectories(run, outdir);
+  writeGeojson(run, outdir);
+  writeKml(run, outdir);
+  writeCameras(run, outdir);
+  writeScale(run, outdir);
+  writeGraphs(run, outdir);
+  writeRelativePoses(run, outdir);
+  writeSparsePly(run, outdir);
+  if (run.world.relative) logWarning(allWarnings(run).back());
+  writeReportJson(run, outdir);
+  writeReportHtml(run, outdir);
+}
+
+}  // namespace cf

@@ -1,0 +1,424 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/deliver/deliver.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "cf/base/error.h"
+#include "cf/base/log.h"
+#include "cf/formats/csv.h"
+#include "cf/formats/ply.h"
+#include "cf/formats/tum.h"
+#include "cf/geodesy/local_frame.h"
+
+namespace cf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr TimeNs kStart = 1466699519'123456789;
+
+Eigen::Isometry3d poseAt(double x, double y, double z) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = (Eigen::AngleAxisd(0.3 + 0.01 * x, Eigen::Vector3d::UnitZ()) *
+                Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))
+                   .toRotationMatrix();
+  T.translation() << x, y, z;
+  return T;
+}
+
+UavRecord makeUav(const std::string& name, double north) {
+  UavRecord uav;
+  uav.name = name;
+  for (int i = 0; i < 4; ++i) {
+    PhotoRecord photo;
+    photo.name = "DJI_000" + std::to_string(i) + ".JPG";
+    photo.time = kStart + i * kNsPerSecond;
+    photo.status = PhotoStatus::kPosed;
+    photo.segment = 0;
+    photo.keypoints = 2000 + i;
+    photo.matches = 500 + i;
+    photo.inliers = 300 + i;
+    uav.photos.push_back(photo);
+  }
+  uav.photos[2].status = PhotoStatus::kDamaged;
+  uav.photos[2].segment = -1;
+  uav.photos[2].reason = "cannot be decoded: truncated, \"premature end\"";
+  for (const std::uint32_t i : {0U, 1U, 3U}) {
+    uav.final_trajectory.push_back({i, poseAt(8.0 * i + 0.123456, north, 60)});
+    uav.online_trajectory.push_back({i, poseAt(8.0 * i + 1, north, 61)});
+  }
+  CameraModel camera;
+  camera.width = 4000;
+  camera.height = 3000;
+  camera.fx = camera.fy = 2300.25;
+  camera.cx = 1999.5;
+  camera.cy = 1499.5;
+  camera.focal_sigma = 115;
+  uav.camera_before = camera;
+  camera.fx = camera.fy = 2345.678901;
+  camera.k1 = -0.0123456789;
+  camera.focal_sigma = 3.5;
+  uav.camera_after = camera;
+  uav.scale_history = {{kStart, 0, 11.0, 2.0}, {kStart + 3 * kNsPerSecond, 0, 12.5, 0.25}};
+  uav.gnss.sigma_m = {0.5, 0.6, 1.5};
+  uav.gnss.bias_m = {0.1, -0.2, 3.0};
+  uav.gnss.trusted = true;
+  uav.segments = 1;
+  uav.pose_graph = "VERTEX3 0 1 2 3 0 0 0\n";
+  return uav;
+}
+
+RunRecord makeRun() {
+  RunRecord run;
+  run.version = "0.1.0";
+  run.world.latitude_deg = 46.8426070833333;
+  run.world.longitude_deg = -91.9945598888889;
+  run.world.height_m = 198.309;
+  run.world.h_datum = HeightDatum::kEllipsoid;
+  run.world.utm = "15N";
+  run.world.center = "east";
+  run.uavs = {makeUav("east", 0), makeUav("west & <2>", 20)};
+  RelativePose r;
+  r.a = {0, 1};
+  r.b = {1, 3};
+  r.inliers = 77;
+  r.T_a_b = poseAt(1.25, -2.5, 0.75);
+  r.sigma << 0.1, 0.2, 0.3, 0.01, 0.02, 0.03;
+  r.residual_before = 2.5;
+  r.residual_after = 0.05;
+  run.relative_poses = {r};
+  SparsePoint point;
+  point.position_m = {1.5, 2.5, -60};
+  point.bgr[0] = 10;
+  point.bgr[1] = 20;
+  point.bgr[2] = 30;
+  run.sparse_points = {point};
+  run.stages["odometry"] = {4.0, 8.0};
+  for (int i = 100; i >= 1; --i) run.latencies_s.push_back(0.01 * i);
+  run.bytes_over_seam = 123456789012;
+  run.wall_s = 12.5;
+  run.peak_rss_mb = 800;
+  run.components = 1;
+  run.warnings = {"a warning with <angle> brackets"};
+  return run;
+}
+
+std::string textOf(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::string firstLine(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  return line;
+}
+
+// Every tag closed in order; attributes and text free of raw < and &.
+bool wellFormed(const std::string& xml, std::set<std::string> void_tags = {}) {
+  std::vector<std::string> open;
+  for (std::size_t i = 0; i < xml.size(); ++i) {
+    if (xml[i] == '&') {
+      const auto end = xml.find(';', i);
+      if (end == std::string::npos || end - i > 6) return false;
+    }
+    if (xml[i] != '<') continue;
+    const auto end = xml.find('>', i);
+    if (end == std::string::npos) return false;
+    const std::string tag = xml.substr(i + 1, end - i - 1);
+    if (tag.empty() || tag.find('<') != std::string::npos) return false;
+    i = end;
+    if (tag.front() == '?' || tag.front() == '!' || tag.back() == '/') continue;
+    const std::string name = tag.substr(0, tag.find_first_of(" \n"));
+    if (void_tags.count(name)) continue;
+    if (tag.front() != '/') {
+      open.push_back(name);
+    } else {
+      if (open.empty() || "/" + open.back() != name) return false;
+      open.pop_back();
+    }
+  }
+  return open.empty();
+}
+
+class Deliver : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    setLogQuiet(true);
+    dir_ = fs::temp_directory_path() / ("cf_deliver_" + std::to_string(getpid()));
+    fs::remove_all(dir_);
+  }
+  void TearDown() override { fs::remove_all(dir_); }
+  fs::path dir_;
+};
+
+TEST_F(Deliver, EveryFileOfTheContractIsThere) {
+  deliver(makeRun(), dir_);
+  for (const char* file :
+       {"report.json", "report.html", "world.json", "images/east.csv", "trajectories/east.tum",
+        "trajectories/east.online.tum", "trajectories/east.ecef.csv", "trajectories/all.geojson",
+        "trajectories/all.kml", "cameras/east.ini", "scale/east.csv", "graphs/east.graph",
+        "relative_poses.csv", "cloud/sparse.ply"})
+    EXPECT_TRUE(fs::is_regular_file(dir_ / file)) << file;
+  for (const auto& entry : fs::recursive_directory_iterator(dir_))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+}
+
+TEST_F(Deliver, CsvHeadersAreExact) {
+  deliver(makeRun(), dir_);
+  EXPECT_EQ(firstLine(dir_ / "images/east.csv"),
+            "image,t,status,segment,keypoints,matches,inliers,reason");
+  EXPECT_EQ(firstLine(dir_ / "trajectories/east.ecef.csv"), "image,t,x,y,z");
+  EXPECT_EQ(firstLine(dir_ / "scale/east.csv"), "t,segment,scale,sigma");
+  EXPECT_EQ(firstLine(dir_ / "relative_poses.csv"),
+            "uav_a,uav_b,image_a,image_b,inliers,tx,ty,tz,qx,qy,qz,qw,sigma_tx,sigma_ty,sigma_tz,"
+            "sigma_rx,sigma_ry,sigma_rz,residual_before,residual_after");
+}
+
+TEST_F(Deliver, ImagesKeepStatusReasonAndTime) {
+  const RunRecord run = makeRun();
+  writeImagesCsv(run, dir_);
+  const CsvTable table(dir_ / "images/east.csv");
+  ASSERT_EQ(table.rows().size(), 4U);
+  EXPECT_EQ(table.rows()[1], (CsvRow{"DJI_0001.JPG", "1466699520.123456789", "posed", "0", "2001",
+                                     "501", "301", ""}));
+  EXPECT_EQ(table.rows()[2][2], "damaged");
+  EXPECT_EQ(table.rows()[2][3], "");
+  EXPECT_EQ(table.rows()[2][7], run.uavs[0].photos[2].reason);
+}
+
+TEST_F(Deliver, TrajectoriesJoinWithTheImagesByTheTextOfTheTime) {
+  const RunRecord run = makeRun();
+  writeImagesCsv(run, dir_);
+  writeTrajectories(run, dir_);
+  std::set<std::string> posed;
+  const CsvTable images(dir_ / "images/east.csv");
+  for (const auto& row : images.rows())
+    if (row[2] == "posed") posed.insert(row[1]);
+  std::set<std::string> in_tum;
+  std::istringstream lines(textOf(dir_ / "trajectories/east.tum"));
+  for (std::string line; std::getline(lines, line);)
+    if (line.front() != '#') in_tum.insert(line.substr(0, line.find(' ')));
+  EXPECT_EQ(posed, in_tum);
+
+  const auto poses = readTum(dir_ / "trajectories/east.tum");
+  const auto online = readTum(dir_ / "trajectories/east.online.tum");
+  ASSERT_EQ(poses.size(), 3U);
+  ASSERT_EQ(online.size(), 3U);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_TRUE(poses[i].T_world_cam.isApprox(run.uavs[0].final_trajectory[i].T_world_cam, 1e-7));
+    EXPECT_TRUE(online[i].T_world_cam.isApprox(run.uavs[0].online_trajectory[i].T_world_cam, 1e-7));
+  }
+}
+
+// WGS84 by the textbook formulas, independent of libs/geodesy.
+Eigen::Vector3d ecefByHand(double lat_deg, double lon_deg, double h) {
+  const double a = 6378137.0, f = 1 / 298.257223563, e2 = f * (2 - f);
+  const double lat = lat_deg * M_PI / 180, lon = lon_deg * M_PI / 180;
+  const double n = a / std::sqrt(1 - e2 * std::sin(lat) * std::sin(lat));
+  return {(n + h) * std::cos(lat) * std::cos(lon), (n + h) * std::cos(lat) * std::sin(lon),
+          (n * (1 - e2) + h) * std::sin(lat)};
+}
+
+TEST_F(Deliver, EcefIsTheEastNorthUpOfTheOriginTurned) {
+  const RunRecord run = makeRun();
+  writeTrajectories(run, dir_);
+  const CsvTable table(dir_ / "trajectories/east.ecef.csv");
+  ASSERT_EQ(table.rows().size(), 3U);
+  const double lat = run.world.latitude_deg * M_PI / 180;
+  const double lon = run.world.longitude_deg * M_PI / 180;
+  const Eigen::Vector3d east(-std::sin(lon), std::cos(lon), 0);
+  const Eigen::Vector3d up(std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon),
+                           std::sin(lat));
+  const Eigen::Vector3d north = up.cross(east);
+  const Eigen::Vector3d origin =
+      ecefByHand(run.world.latitude_deg, run.world.longitude_deg, run.world.height_m);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& row = table.rows()[i];
+    const Eigen::Vector3d p = run.uavs[0].final_trajectory[i].T_world_cam.translation();
+    const Eigen::Vector3d expected = origin + p.x() * east + p.y() * north + p.z() * up;
+    const Eigen::Vector3d written(std::stod(row[2]), std::stod(row[3]), std::stod(row[4]));
+    EXPECT_LT((written - expected).norm(), 2e-4);
+  }
+  EXPECT_EQ(table.rows()[2][0], "DJI_0003.JPG");
+}
+
+TEST_F(Deliver, GeojsonHoldsALineForEachUavAndAPointForEachPhoto) {
+  const RunRecord run = makeRun();
+  writeGeojson(run, dir_);
+  const auto json = nlohmann::json::parse(textOf(dir_ / "trajectories/all.geojson"));
+  EXPECT_EQ(json["type"], "FeatureCollection");
+  int lines = 0, points = 0;
+  for (const auto& feature : json["features"]) {
+    const auto& geometry = feature["geometry"];
+    if (geometry["type"] == "LineString") {
+      ++lines;
+      ASSERT_EQ(geometry["coordinates"].size(), 3U);
+      if (feature["properties"]["uav"] != "east") continue;
+      const auto& c = geometry["coordinates"][1];
+      const Eigen::Vector3d here = ecefByHand(c[1], c[0], c[2]);
+      const LocalFrame frame(run.world.latitude_deg, run.world.longitude_deg, run.world.height_m);
+      const Eigen::Vector3d there =
+          frame.toEcef(run.uavs[0].final_trajectory[1].T_world_cam.translation());
+      EXPECT_LT((here - there).norm(), 1e-3);
+    } else {
+      ++points;
+    }
+  }
+  EXPECT_EQ(lines, 2);
+  EXPECT_EQ(points, 6);
+}
+
+TEST_F(Deliver, KmlIsWellFormedWithAnyUavName) {
+  writeKml(makeRun(), dir_);
+  const std::string kml = textOf(dir_ / "trajectories/all.kml");
+  EXPECT_TRUE(wellFormed(kml));
+  EXPECT_NE(kml.find("west &amp; &lt;2&gt;"), std::string::npos);
+  // Longitude before latitude.
+  EXPECT_NE(kml.find("-91.9945"), std::string::npos);
+  EXPECT_LT(kml.find("-91.9945"), kml.find(",46.84"));
+}
+
+TEST_F(Deliver, RelativePosesKeepTheirNumbers) {
+  const RunRecord run = makeRun();
+  writeRelativePoses(run, dir_);
+  const CsvTable table(dir_ / "relative_poses.csv");
+  ASSERT_EQ(table.rows().size(), 1U);
+  const auto& row = table.rows()[0];
+  EXPECT_EQ(row[0], "east");
+  EXPECT_EQ(row[1], "west & <2>");
+  EXPECT_EQ(row[2], "DJI_0001.JPG");
+  EXPECT_EQ(row[3], "DJI_0003.JPG");
+  EXPECT_EQ(row[4], "77");
+  const auto at = [&](const char* column) { return std::stod(row[table.column(column)]); };
+  EXPECT_NEAR(at("ty"), -2.5, 1e-9);
+  const Eigen::Quaterniond q(at("qw"), at("qx"), at("qy"), at("qz"));
+  EXPECT_LT(q.angularDistance(Eigen::Quaterniond(run.relative_poses[0].T_a_b.linear())), 1e-7);
+  EXPECT_NEAR(at("sigma_tz"), 0.3, 1e-9);
+  EXPECT_NEAR(at("sigma_rx"), 0.01, 1e-9);
+  EXPECT_NEAR(at("residual_before"), 2.5, 1e-9);
+  EXPECT_NEAR(at("residual_after"), 0.05, 1e-9);
+}
+
+TEST_F(Deliver, CamerasHoldBothCalibrations) {
+  writeCameras(makeRun(), dir_);
+  const std::string ini = textOf(dir_ / "cameras/east.ini");
+  const auto camera = ini.find("[camera]"), before = ini.find("[before]");
+  ASSERT_NE(camera, std::string::npos);
+  ASSERT_NE(before, std::string::npos);
+  EXPECT_LT(ini.find("fx = 2345.678901"), before);
+  EXPECT_LT(ini.find("k1 = -0.0123456789"), before);
+  EXPECT_LT(ini.find("focal_sigma = 3.5"), before);
+  EXPECT_GT(ini.find("fx = 2300.25"), before);
+  EXPECT_GT(ini.find("focal_sigma = 115"), before);
+}
+
+TEST_F(Deliver, ReportHoldsWhatTheContractNames) {
+  RunRecord run = makeRun();
+  run.uavs[1].gnss.sigma_m.z() = std::numeric_limits<double>::quiet_NaN();
+  run.uavs[1].scale_history.clear();
+  writeReportJson(run, dir_);
+  const auto report = nlohmann::json::parse(textOf(dir_ / "report.json"));
+  EXPECT_EQ(report["version"], "0.1.0");
+  EXPECT_EQ(report["wall_s"], 12.5);
+  EXPECT_EQ(report["peak_rss_mb"], 800);
+  EXPECT_EQ(report["photos"]["total"], 8);
+  EXPECT_EQ(report["photos"]["posed"], 6);
+  EXPECT_EQ(report["components"], 1);
+  EXPECT_EQ(report["bytes_over_seam"], 123456789012);
+  EXPECT_EQ(report["stages"]["odometry"]["wall_s"], 4.0);
+  EXPECT_EQ(report["stages"]["odometry"]["cpu_s"], 8.0);
+  EXPECT_NEAR(report["latency_s"]["p50"].get<double>(), 0.50, 1e-12);
+  EXPECT_NEAR(report["latency_s"]["p95"].get<double>(), 0.95, 1e-12);
+  EXPECT_NEAR(report["latency_s"]["max"].get<double>(), 1.00, 1e-12);
+  const auto& uav = report["uavs"]["east"];
+  EXPECT_EQ(uav["photos"], 4);
+  EXPECT_EQ(uav["posed"], 3);
+  EXPECT_EQ(uav["segments"], 1);
+  EXPECT_EQ(uav["scale"], 12.5);
+  EXPECT_EQ(uav["scale_sigma"], 0.25);
+  EXPECT_EQ(uav["gnss_sigma_m"], (nlohmann::json{0.5, 0.6, 1.5}));
+  EXPECT_EQ(uav["gnss_bias_m"], (nlohmann::json{0.1, -0.2, 3.0}));
+  EXPECT_EQ(uav["gnss_trusted"], true);
+  EXPECT_TRUE(report["uavs"]["west & <2>"]["scale"].is_null());
+  EXPECT_TRUE(report["uavs"]["west & <2>"]["gnss_sigma_m"][2].is_null());
+  EXPECT_EQ(report["warnings"], (nlohmann::json::array({"a warning with <angle> brackets"})));
+}
+
+TEST_F(Deliver, WorldAndSparsePoints) {
+  const RunRecord run = makeRun();
+  writeWorldJson(run, dir_);
+  const auto world = nlohmann::json::parse(textOf(dir_ / "world.json"));
+  EXPECT_EQ(world["origin"]["lat"], run.world.latitude_deg);
+  EXPECT_EQ(world["origin"]["lon"], run.world.longitude_deg);
+  EXPECT_EQ(world["origin"]["h"], run.world.height_m);
+  EXPECT_EQ(world["h_datum"], "ellipsoid");
+  EXPECT_EQ(world["frame"], "ENU");
+  EXPECT_EQ(world["utm"], "15N");
+  EXPECT_EQ(world["center"], "east");
+  writeSparsePly(run, dir_);
+  const auto points = readPly(dir_ / "cloud/sparse.ply");
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_EQ(points[0].position_m, Eigen::Vector3d(1.5, 2.5, -60));
+  EXPECT_EQ(points[0].rgb, (std::array<std::uint8_t, 3>{30, 20, 10}));
+}
+
+TEST_F(Deliver, ReportPageIsSelfContainedAndWellFormed) {
+  writeReportHtml(makeRun(), dir_);
+  const std::string html = textOf(dir_ / "report.html");
+  EXPECT_TRUE(wellFormed(html, {"meta", "img"}));
+  EXPECT_EQ(html.find("src=\"http"), std::string::npos);
+  EXPECT_NE(html.find("a warning with &lt;angle&gt; brackets"), std::string::npos);
+  EXPECT_NE(html.find("DJI_0002.JPG"), std::string::npos);  // lost, with its reason
+  EXPECT_NE(html.find("premature end"), std::string::npos);
+  EXPECT_NE(html.find("<svg"), std::string::npos);
+}
+
+TEST_F(Deliver, ARelativeMapSaysSoAndHasNoGeographicFiles) {
+  RunRecord run = makeRun();
+  run.world.relative = true;
+  deliver(run, dir_);
+  for (const char* file : {"all.geojson", "all.kml", "east.ecef.csv"})
+    EXPECT_FALSE(fs::exists(dir_ / "trajectories" / file)) << file;
+  EXPECT_TRUE(fs::exists(dir_ / "trajectories/east.tum"));
+  const auto world = nlohmann::json::parse(textOf(dir_ / "world.json"));
+  EXPECT_TRUE(world["origin"].is_null());
+  EXPECT_EQ(world["frame"], "local");
+  const auto report = nlohmann::json::parse(textOf(dir_ / "report.json"));
+  ASSERT_EQ(report["warnings"].size(), 2U);
+  EXPECT_NE(report["warnings"][1].get<std::string>().find("relative"), std::string::npos);
+}
+
+TEST_F(Deliver, HeightsOfUnknownDatumAreSaid) {
+  RunRecord run = makeRun();
+  run.world.h_datum = HeightDatum::kUnknown;
+  EXPECT_EQ(allWarnings(run).size(), 2U);
+  run.world.h_datum = HeightDatum::kEllipsoid;
+  EXPECT_EQ(allWarnings(run).size(), 1U);
+}
+
+TEST_F(Deliver, AFolderThatCannotBeMadeIsNamed) {
+  std::ofstream(dir_) << "in the way";
+  try {
+    deliver(makeRun(), dir_);
+    FAIL();
+  } catch (const RunError& e) {
+    EXPECT_NE(std::string(e.what()).find(dir_.string()), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace cf
