@@ -232,7 +232,7 @@ TEST(PairObservation, FewOrUnrelatedMatchesAreRefused) {
 TEST(PairObservation, SigmasAreHonest) {
   for (const double buildings : {0.0, 0.7}) {
     double rotation = 0, across = 0, along = 0;
-    const unsigned seeds = 100;
+    const unsigned seeds = 40;
     for (unsigned seed = 0; seed < seeds; ++seed) {
       SceneOptions o;
       o.buildings = buildings;

@@ -206,6 +206,21 @@ double meanDepth(const Observed& o) {
 
 double square(double x) { return x * x; }
 
+/// Weighted mean of both photos' lengths, the sigma of their scales included. A scale that is not
+/// in metres counts only where there is no other.
+DepthLength mergeLengths(const PairView& a, const DepthLength& by_a, const PairView& b,
+                         const DepthLength& by_b) {
+  const auto whole = [](const PairView& view, DepthLength length) {
+    length.sigma_m = std::hypot(length.sigma_m, length.length_m * view.scale_sigma / view.scale);
+    return length;
+  };
+  if (by_b.sigma_m <= 0 || (by_a.sigma_m > 0 && !b.trusted)) return whole(a, by_a);
+  if (by_a.sigma_m <= 0 || !a.trusted) return whole(b, by_b);
+  const DepthLength la = whole(a, by_a), lb = whole(b, by_b);
+  const double wa = 1 / square(la.sigma_m), wb = 1 / square(lb.sigma_m);
+  return {(wa * la.length_m + wb * lb.length_m) / (wa + wb), 1 / std::sqrt(wa + wb)};
+}
+
 }  // namespace
 
 void PairOptions::visit(OptionVisitor& v) {
@@ -283,20 +298,12 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
   if (units > 0) result.direction_a = o.T_a_b.translation() / units;
   result.by_depth_a = lengthBy(m.depth_a, o.depth_a, o);
   result.by_depth_b = lengthBy(m.depth_b, o.depth_b, o);
-  double weight = 0, weighted = 0;
-  for (const auto& [by_depth, view] :
-       {std::pair{result.by_depth_a, &a}, std::pair{result.by_depth_b, &b}}) {
-    if (by_depth.sigma_m <= 0) continue;
-    const double w = 1 / (square(by_depth.sigma_m) +
-                          square(by_depth.length_m * view->scale_sigma / view->scale));
-    weight += w;
-    weighted += w * by_depth.length_m;
-  }
-  if (weight <= 0 && result.gnss_length_m <= 0) {
+  const DepthLength merged = mergeLengths(a, result.by_depth_a, b, result.by_depth_b);
+  if (merged.sigma_m <= 0 && result.gnss_length_m <= 0) {
     return Failure{"no_length", "neither photo has depths, and there is no georeference"};
   }
-  const double length_m = weight > 0 ? weighted / weight : result.gnss_length_m;
-  const double along_sigma_m = weight > 0 ? 1 / std::sqrt(weight) : 0.5 * length_m;
+  const double length_m = merged.sigma_m > 0 ? merged.length_m : result.gnss_length_m;
+  const double along_sigma_m = merged.sigma_m > 0 ? merged.sigma_m : 0.5 * length_m;
   const double unit_m = units > 0 ? length_m / units : 1;
   // What all matches share turns into an error of rotation, and of translation over depth.
   const double rotation_floor = square(options.systematic);
