@@ -3,6 +3,7 @@
 #include "voxel_tile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -28,47 +29,70 @@ std::int64_t VoxelTile::cellOf(double relative_m, int axis) const {
   return axis < 2 ? std::max<std::int64_t>(cell, 0) : cell;
 }
 
-VoxelTile::Voxel* VoxelTile::voxelAt(const Eigen::Vector3d& relative_m, float (&rest)[3]) {
-  if (!(std::abs(relative_m.z() * inverse_voxel_) < CellKey::kLimit - 1)) return nullptr;
+bool VoxelTile::locate(const Eigen::Vector3d& relative_m, Place& place) const {
+  if (!(std::abs(relative_m.z() * inverse_voxel_) < CellKey::kLimit - 1)) return false;
   std::int64_t cell[3];
   for (int k = 0; k < 3; ++k) {
     cell[k] = cellOf(relative_m[k], k);
-    rest[k] =
+    place.rest[k] =
         static_cast<float>(relative_m[k] * inverse_voxel_ - (static_cast<double>(cell[k]) + 0.5));
   }
-  const std::uint32_t number = numbers_.findOrAdd(CellKey::pack(cell[0], cell[1], cell[2]));
-  if (number == voxels_.size()) voxels_.emplace_back();
-  return &voxels_[number];
+  place.key = CellKey::pack(cell[0], cell[1], cell[2]);
+  return true;
 }
 
-bool VoxelTile::add(const MapPoint& point, std::uint32_t view) {
-  float rest[3];
-  Voxel* voxel = voxelAt(point.position_m - offset_m_, rest);
-  if (!voxel) return false;
-  voxel->weight += point.weight;
-  for (int k = 0; k < 3; ++k) {
-    voxel->offset[k] += point.weight * rest[k];
-    voxel->bgr[k] += point.weight * static_cast<float>(point.bgr[k]);
+VoxelTile::Voxel& VoxelTile::voxelAt(const Place& place) {
+  const std::uint32_t number = numbers_.findOrAdd(place.key);
+  if (number == voxels_.size()) voxels_.emplace_back();
+  return voxels_[number];
+}
+
+std::size_t VoxelTile::add(const MapPoint* begin, const MapPoint* end, std::uint32_t view) {
+  // In blocks, each memory access asked for ahead of its use: waiting for them is most of the time.
+  constexpr std::size_t kBlock = 32;
+  std::array<Place, kBlock> places;
+  std::array<const MapPoint*, kBlock> points;
+  std::size_t merged = 0;
+  while (begin != end) {
+    std::size_t n = 0;
+    for (; begin != end && n < kBlock; ++begin) {
+      if (!locate(begin->position_m - offset_m_, places[n])) continue;
+      numbers_.prefetchSlot(places[n].key);
+      points[n++] = begin;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::uint32_t number = numbers_.prefetchKey(places[i].key);
+      if (number < voxels_.size()) __builtin_prefetch(&voxels_[number], 1);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const MapPoint& point = *points[i];
+      Voxel& voxel = voxelAt(places[i]);
+      voxel.weight += point.weight;
+      for (int k = 0; k < 3; ++k) {
+        voxel.offset[k] += point.weight * places[i].rest[k];
+        voxel.bgr[k] += point.weight * static_cast<float>(point.bgr[k]);
+      }
+      if (voxel.last_view == view) continue;
+      voxel.last_view = view;
+      voxel.views = saturatedSum(voxel.views, 1);
+    }
+    merged += n;
   }
-  if (voxel->last_view != view) {
-    voxel->last_view = view;
-    voxel->views = saturatedSum(voxel->views, 1);
-  }
-  return true;
+  return merged;
 }
 
 void VoxelTile::merge(const Tile& tile) {
   const Eigen::Vector3d shift = tile.offset_m - offset_m_;
   for (const TilePoint& point : tile.points) {
-    float rest[3];
-    Voxel* voxel = voxelAt(point.position_m.cast<double>() + shift, rest);
-    if (!voxel) continue;
-    voxel->weight += point.confidence;
+    Place place;
+    if (!locate(point.position_m.cast<double>() + shift, place)) continue;
+    Voxel& voxel = voxelAt(place);
+    voxel.weight += point.confidence;
     for (int k = 0; k < 3; ++k) {
-      voxel->offset[k] += point.confidence * rest[k];
-      voxel->bgr[k] += point.confidence * static_cast<float>(point.bgr[k]);
+      voxel.offset[k] += point.confidence * place.rest[k];
+      voxel.bgr[k] += point.confidence * static_cast<float>(point.bgr[k]);
     }
-    voxel->views = saturatedSum(voxel->views, point.views);
+    voxel.views = saturatedSum(voxel.views, point.views);
   }
 }
 

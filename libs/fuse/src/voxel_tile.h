@@ -17,9 +17,9 @@ class VoxelTile {
  public:
   VoxelTile(TileIndex index, double tile_m, double voxel_m);
 
-  /// `view` differs from one depth frame to the next; 0 is none. False where the point lies too
-  /// high or deep for the grid (a million voxels) and is left out.
-  bool add(const MapPoint& point, std::uint32_t view);
+  /// Merges the points [begin, end). `view` differs from one depth frame to the next; 0 is none.
+  /// Returns how many were merged: points too high or deep for the grid (a million voxels) are not.
+  std::size_t add(const MapPoint* begin, const MapPoint* end, std::uint32_t view);
   /// Merges what toTile() once gave: sums are restored from means, weights and views.
   void merge(const Tile& tile);
   /// One point a voxel, each inside its voxel even after rounding to float, in the order (z, y, x).
@@ -37,9 +37,15 @@ class VoxelTile {
     std::uint16_t views = 0;
   };
 
-  /// Null where the position is outside the grid. `rest` is the position in the voxel, [voxels]
-  /// from its centre.
-  Voxel* voxelAt(const Eigen::Vector3d& relative_m, float (&rest)[3]);
+  /// Where a position falls: the voxel, and the place in it [voxels from its centre].
+  struct Place {
+    std::uint64_t key;
+    float rest[3];
+  };
+
+  /// False where the position is outside the grid.
+  bool locate(const Eigen::Vector3d& relative_m, Place& place) const;
+  Voxel& voxelAt(const Place& place);
   std::int64_t cellOf(double relative_m, int axis) const;
   float positionInCell(double relative_m, std::int64_t cell, int axis) const;
 

@@ -74,9 +74,12 @@ void TileMap::insert(FrameId depth_frame, const std::vector<MapPoint>& points) {
     Resident& tile = resident(index);
     tile.used = ++clock_;
     tile.dirty = true;
-    for (const Run& run : list)
-      for (std::size_t i = run.begin; i < run.end; ++i)
-        ++(tile.voxels->add(points[i], view_) ? stats_.points : stats_.dropped);
+    for (const Run& run : list) {
+      const std::size_t merged =
+          tile.voxels->add(points.data() + run.begin, points.data() + run.end, view_);
+      stats_.points += merged;
+      stats_.dropped += run.end - run.begin - merged;
+    }
     shrink(index);
   }
 }
