@@ -97,8 +97,8 @@ std::string loadWorld(const fs::path& file, SceneInputs& scene) {
   const auto json = nlohmann::json::parse(in, nullptr, false);
   if (json.is_discarded() || !json.is_object())
     throw RunError(fmt::format("{}: not a JSON object", file.string()));
-  if (json.contains("origin") && json["origin"].is_object())
-    scene.origin_height_m = json["origin"].value("h", 0.0);
+  scene.georeferenced = json.contains("origin") && json["origin"].is_object();
+  if (scene.georeferenced) scene.origin_height_m = json["origin"].value("h", 0.0);
   scene.height_datum = json.value("h_datum", "unknown");
   return json.value("center", "");
 }

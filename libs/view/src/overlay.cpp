@@ -132,7 +132,8 @@ void drawHeightLegend(cv::Mat& picture, const HeightRange& range, const SceneInp
   const double shift = absolute ? scene.origin_height_m : 0;
   const std::string title = scene.height_datum == "ellipsoid" ? "m above ellipsoid"
                             : scene.height_datum == "msl"     ? "m above sea level"
-                                                              : "world z [m]";
+                            : scene.georeferenced             ? "world z [m]"
+                                                              : "z (no scale)";
   const int bar_width = scaled(picture, 30), bar_height = scaled(picture, 420);
   const int margin = scaled(picture, 24);
   const int width = std::max(textSize(picture, title).width, 5 * bar_width) + 2 * margin;

@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 using mrpt::opengl::COpenGLScene;
 
 constexpr int kSupersampling = 2;           // each pixel is the mean of 2 x 2: smooth edges
+constexpr double kThinnestLines = 0.8;      // small pictures: lines no thinner than this share
 constexpr int kLargestTexture = 16384;      // [px] what the software renderer can draw at once
 constexpr double kBackground = 30 / 255.0;  // dark, neutral
 
@@ -171,14 +172,18 @@ void renderSnapshot(const SceneInputs& scene, const View& view, ImageSize size,
   const double ui = camera.size.height / 1080.0;
   shadeRelief(surface, camera, 5 * ui, splat_px);
   if (view.kind != View::Kind::kHeight)
-    layOver(surface, offscreen.render(lineObject(scene, lineStyle(camera, ui))),
+    layOver(surface,
+            offscreen.render(
+                lineObject(scene, lineStyle(camera, std::max(ui, kThinnestLines * supersampling)))),
             static_cast<int>(std::lround(1.5 * ui)));
 
   cv::Mat picture;
   cv::resize(surface.colour, picture, {size.width, size.height}, 0, 0, cv::INTER_AREA);
   if (view.kind != View::Kind::kHeight) drawUavLegend(picture, scene);
-  drawScaleBar(picture, camera);
-  drawNorthArrow(picture, camera);
+  if (scene.georeferenced) {
+    drawScaleBar(picture, camera);
+    drawNorthArrow(picture, camera);
+  }
   if (view.kind == View::Kind::kHeight) drawHeightLegend(picture, heights, scene);
   writePng(png, picture);
 }

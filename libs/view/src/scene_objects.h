@@ -40,7 +40,7 @@ struct LineStyle {
   Eigen::Vector3d right = Eigen::Vector3d::UnitX();
   Eigen::Vector3d up = Eigen::Vector3d::UnitY();
   double track_px = 5;      ///< width of a trajectory
-  double link_px = 2.4;     ///< width of a relative pose
+  double link_px = 2.8;     ///< width of a relative pose
   double triangle_px = 34;  ///< length of the triangle
 };
 mrpt::opengl::CSetOfTriangles::Ptr lineObject(const SceneInputs& scene, const LineStyle& style);

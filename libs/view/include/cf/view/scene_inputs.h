@@ -45,6 +45,7 @@ struct SceneInputs {
   std::vector<UavTrack> tracks;  ///< by name
   std::vector<RelativeLink> links;
   std::vector<Voxel> voxels;             ///< loaded only when asked for
+  bool georeferenced = true;  ///< false: a relative map; neither north nor metres are known
   double origin_height_m = 0;            ///< height of the world's origin above its datum
   std::string height_datum = "unknown";  ///< ellipsoid | msl | unknown
 };
