@@ -56,25 +56,44 @@ struct Observations {
   }
 };
 
+/// Counts what is read: MRPT reports the end of a file inside an object like one between objects.
+struct CountingInput {
+  mrpt::io::CFileGZInputStream file;
+  std::size_t count = 0;
+  bool damaged = false;
+
+  std::size_t Read(void* to, std::size_t bytes) {
+    const std::size_t got = file.Read(to, bytes);
+    if (got > bytes) {  // zlib's -1 for a broken file, which MRPT hands on as it is
+      damaged = true;
+      return 0;
+    }
+    count += got;
+    return got;
+  }
+  std::size_t Write(const void*, std::size_t) { return 0; }
+  std::string getStreamDescription() const { return file.getStreamDescription(); }
+};
+
 Observations readAll(const fs::path& rawlog, Warnings& warnings) {
   std::error_code ignored;
-  mrpt::io::CFileGZInputStream file;
-  if (!fs::is_regular_file(rawlog, ignored) || !file.open(rawlog.string()))
+  CountingInput input;
+  if (!fs::is_regular_file(rawlog, ignored) || !input.file.open(rawlog.string()))
     throw RunError(fmt::format("{} cannot be read: there is no such rawlog", rawlog.string()));
-  auto archive = mrpt::serialization::archiveFrom(file);
+  auto archive = mrpt::serialization::archiveFrom(input);
   Observations all;
+  std::size_t complete = 0;  // bytes of whole objects
+  bool broken = false;
   try {
-    while (true) {
-      all.add(archive.ReadObject());
-      ++all.objects;
-    }
+    for (;; ++all.objects, complete = input.count) all.add(archive.ReadObject());
   } catch (const mrpt::serialization::CExceptionEOF&) {
-    // the regular end
+    broken = input.damaged || input.count != complete;
   } catch (const std::exception&) {
-    if (all.objects != 0)
-      warnings.push_back(fmt::format("{} breaks off after {} records: the rest is lost",
-                                     rawlog.filename().string(), all.objects));
+    broken = true;
   }
+  if (broken && all.objects != 0)
+    warnings.push_back(fmt::format("{} breaks off after {} records: the rest is lost",
+                                   rawlog.filename().string(), all.objects));
   if (all.objects == 0)
     throw RunError(
         fmt::format("{} cannot be read: it is no rawlog, or an empty one", rawlog.string()));
