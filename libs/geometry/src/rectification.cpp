@@ -13,12 +13,12 @@
 namespace cf {
 namespace {
 
-constexpr double kMaxAxisTilt = 0.7071;      // cosine between baseline and mean optical axis
-constexpr double kMaxAxisSpread = 0.5;       // cosine between the two optical axes, at least
-constexpr double kMinRayForward = 0.2;       // z of a unit ray in the rectified frame, at least
+constexpr double kMaxAxisTilt = 0.7071;  // cosine between baseline and mean optical axis
+constexpr double kMaxAxisSpread = 0.5;   // cosine between the two optical axes, at least
+constexpr double kMinRayForward = 0.2;   // z of a unit ray in the rectified frame, at least
 constexpr double kMinBaselineOverDepth = 1e-3;
-constexpr int kSamples = 48;                 // of the photo's longer side, to find the common area
-constexpr int kGridStep = 8;                 // px, of the remap table
+constexpr int kSamples = 48;  // of the photo's longer side, to find the common area
+constexpr int kGridStep = 8;  // px, of the remap table
 
 /// Box of the points of the normalized rectified plane that both photos see, and how much that is.
 struct CommonArea {
@@ -120,8 +120,8 @@ Result<RectifiedPair> rectifyPair(const PosedCamera& reference, const PosedCamer
   // the box may hold twice that.
   const double photo = camera.width / camera.fx * camera.height / camera.fy;
   const double counted = std::max(std::min(area.share * photo, box), box / 2);
-  const double f_native = std::min(std::min(camera.fx, camera.fy),
-                                   std::min(partner.camera.fx, partner.camera.fy));
+  const double f_native =
+      std::min(std::min(camera.fx, camera.fy), std::min(partner.camera.fx, partner.camera.fy));
   const double f = std::min(f_native, std::sqrt(request.megapixels * 1e6 / counted));
 
   RectifiedView& r = pair.reference;

@@ -11,8 +11,8 @@
 namespace cf {
 
 struct DepthTriangulationOptions {
-  int stride = 1;            ///< take every stride-th pixel of every stride-th row
-  int min_confidence = 1;    ///< of 255
+  int stride = 1;          ///< take every stride-th pixel of every stride-th row
+  int min_confidence = 1;  ///< of 255
   double disparity_sigma_px = 0.3;
 };
 

@@ -18,7 +18,7 @@ struct PosedCamera {
 
 /// How large the rectified pair becomes and where the scene is.
 struct RectificationRequest {
-  double megapixels = 1.5;   ///< of the common area; the resolution never exceeds the photos'
+  double megapixels = 1.5;  ///< of the common area; the resolution never exceeds the photos'
   /// Of the scene along the reference camera's z axis; lays out the common area. 0 < near <= far.
   double near_depth_m = 0, far_depth_m = 0;
   /// Of the disparity range: how far the scene may reach beyond that. The same if 0.
@@ -34,9 +34,9 @@ struct RectifiedPair {
   RectifiedView reference, partner;
   Eigen::Isometry3d T_reference_partner = Eigen::Isometry3d::Identity();  ///< of the cameras
   double baseline_m = 0;
-  double overlap = 0;         ///< share of the reference photo seen by the partner
-  int min_disparity_px = 0;   ///< of the farthest depth, negative
-  int max_disparity_px = 0;   ///< of the nearest depth
+  double overlap = 0;        ///< share of the reference photo seen by the partner
+  int min_disparity_px = 0;  ///< of the farthest depth, negative
+  int max_disparity_px = 0;  ///< of the nearest depth
 
   /// Depth along the rectified z axis [m] of a disparity; infinite or negative beyond infinity.
   double depth(double disparity_px) const {
@@ -49,8 +49,8 @@ struct RectifiedPair {
 
 /// Rectification along the true baseline, for any direction of it: x along the baseline, z the mean
 /// optical axis made orthogonal to x. The crop is the box of what both photos see between the near
-/// and the far depth. Failures: "no_baseline", "forward_motion" (baseline within 45 degrees of the optical
-/// axes), "diverging_views", "little_overlap".
+/// and the far depth. Failures: "no_baseline", "forward_motion" (baseline within 45 degrees of the
+/// optical axes), "diverging_views", "little_overlap".
 Result<RectifiedPair> rectifyPair(const PosedCamera& reference, const PosedCamera& partner,
                                   const RectificationRequest& request);
 
