@@ -11,6 +11,14 @@ namespace {
 using test::Flight;
 using test::FlightPlan;
 
+/// Only the estimate at the end counts here: little is solved on the way.
+GeoreferenceOptions endOnly() {
+  GeoreferenceOptions options;
+  options.full_solve_keyframes = 1;
+  options.window_keyframes = 2;
+  return options;
+}
+
 /// Bounds of the mean of `n` chi-square variables of `dof` degrees of freedom, 99.9 % two-sided
 /// (normal approximation of the sum).
 void expectMeanChiSquare(double sum, int n, int dof, const char* what) {
@@ -23,7 +31,7 @@ void expectMeanChiSquare(double sum, int n, int dof, const char* what) {
 }
 
 TEST(Consistency, ScaleAndPositionErrorsMatchTheirCovariance) {
-  GeoreferenceOptions options;
+  GeoreferenceOptions options = endOnly();
   options.common_error = 0;  // no common bias is drawn here
   double scale_sum = 0, position_sum = 0, rotation_sum = 0;
   constexpr int kSeeds = 60;
@@ -58,7 +66,7 @@ TEST(Consistency, BiasOfTheReceiverIsInTheCovariance) {
       fix.latitude_deg += bias.y();
       fix.height_m += bias.z();
     }
-    const Georeferencer stage = test::run(flight);
+    const Georeferencer stage = test::run(flight, endOnly());
     const auto& pose = stage.segments()[0].poses[10];
     const Eigen::Vector3d e = test::errorOf(pose, flight.T_world_cam[10]).head<3>();
     sum += e.dot(Eigen::Matrix3d(pose.covariance.topLeftCorner<3, 3>()).ldlt().solve(e));
@@ -75,14 +83,14 @@ TEST(Consistency, RollAboutAStraightLineHasAnHonestSigma) {
     plan.attitude_deg = 0.5;
     plan.tilt_deg = 15;  // as nadir_sigma_deg; flown east, so roll is about x
     const Flight flight = test::fly(plan, 500 + seed);
-    const Georeferencer stage = test::run(flight);
+    const Georeferencer stage = test::run(flight, endOnly());
     const GeoSegment& segment = stage.segments()[0];
     ASSERT_TRUE(segment.georeferenced);
     const auto& pose = segment.poses[6];
     const auto e = test::errorOf(pose, flight.T_world_cam[6]);
     const double sigma = std::sqrt(pose.covariance(3, 3));
     EXPECT_GT(sigma, 8 * M_PI / 180);
-    EXPECT_LT(sigma, 30 * M_PI / 180);
+    EXPECT_LT(sigma, 40 * M_PI / 180);
     sum += e(3) * e(3) / (sigma * sigma);
     EXPECT_LT(std::sqrt(pose.covariance(4, 4)), 5 * M_PI / 180);  // pitch: seen along the line
     EXPECT_LT(std::abs(segment.scale / flight.scale - 1), 5 * segment.scale_sigma / segment.scale);
@@ -97,7 +105,7 @@ TEST(Consistency, GroundPlaneSettlesTheRollOfAStraightLine) {
     plan.tilt_deg = 12;
     plan.points = true;
     const Flight flight = test::fly(plan, 700 + seed);
-    const Georeferencer stage = test::run(flight);
+    const Georeferencer stage = test::run(flight, endOnly());
     const auto& pose = stage.segments()[0].poses[6];
     const auto e = test::errorOf(pose, flight.T_world_cam[6]);
     EXPECT_LT(std::abs(e(3)), 10 * M_PI / 180);
@@ -112,7 +120,7 @@ TEST(Consistency, GimbalSettlesTheRollOfAStraightLine) {
   plan.pitch_deg = 16;
   plan.attitude_deg = 0.5;
   const Flight flight = test::fly(plan, 9);
-  const Georeferencer stage = test::run(flight);
+  const Georeferencer stage = test::run(flight, endOnly());
   const auto& pose = stage.segments()[0].poses[6];
   EXPECT_LT(std::abs(test::errorOf(pose, flight.T_world_cam[6])(3)), 2 * M_PI / 180);
   EXPECT_NEAR(std::sqrt(pose.covariance(3, 3)), 2 * M_PI / 180, 0.01);

@@ -138,6 +138,41 @@ TEST(Georeferencer, JunkIsNotTrustedAndKeepsTheShapeOfOdometry) {
   }
 }
 
+TEST(Georeferencer, DriftingJunkDoesNotTiltTheMap) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    FlightPlan plan;
+    plan.sigma_m = {0.5, 0.5, 0.5};
+    plan.tagged_m = {2, 2, 4};
+    Flight flight = test::fly(plan, seed);
+    for (std::size_t i = 0; i < flight.fixes.size(); ++i) {
+      const double t = static_cast<double>(i);
+      flight.fixes[i].longitude_deg += 15 * std::sin(0.31 * t);
+      flight.fixes[i].latitude_deg += 20 * std::cos(0.23 * t);
+      flight.fixes[i].height_m += 2.3 * t;  // 110 m in all, most of it along the flight
+    }
+    const Georeferencer stage = test::run(flight);
+    EXPECT_FALSE(stage.quality().trusted) << seed;
+    const GeoSegment& segment = stage.segments()[0];
+    ASSERT_TRUE(segment.georeferenced);
+    EXPECT_LT(std::abs(segment.scale - flight.scale), 3 * segment.scale_sigma) << seed;
+    const auto e = test::errorOf(segment.poses[20], flight.T_world_cam[20]);
+    EXPECT_LT(e.segment<2>(3).norm(), 10 * M_PI / 180) << seed;
+  }
+}
+
+TEST(Georeferencer, PhotosOfOnePlaceHaveNoScale) {
+  FlightPlan plan;
+  plan.per_line = 1;
+  plan.lines = 8;
+  plan.spacing_m = 0;
+  Flight flight = test::fly(plan, 1);
+  for (const auto& keyframe : flight.keyframes)
+    keyframe->T_local_cam = flight.keyframes[0]->T_local_cam;
+  const Georeferencer stage = test::run(flight);
+  EXPECT_FALSE(stage.segments()[0].georeferenced);
+  EXPECT_EQ(stage.segments()[0].poses.size(), 8u);
+}
+
 TEST(Georeferencer, WithoutFixesStaysLocal) {
   Flight flight = test::fly({}, 1);
   flight.fixes.clear();

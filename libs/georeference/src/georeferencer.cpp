@@ -20,10 +20,10 @@ constexpr double kGrowth = 1.1;        ///< of a segment between full solves
 constexpr int kFewestJudged = 4;       ///< fixes below which noise is not judged
 constexpr double kMostOutliers = 0.3;  ///< share above which the receiver is not trusted
 
-/// 0.1 % quantile of chi-square with n degrees of freedom, over n (Wilson and Hilferty 1931).
+/// 1 % quantile of chi-square with n degrees of freedom, over n (Wilson and Hilferty 1931).
 double lowChiSquareRatio(double n) {
   const double c = 2 / (9 * n);
-  return std::pow(std::max(0.0, 1 - c - 3.09 * std::sqrt(c)), 3);
+  return std::pow(std::max(0.0, 1 - c - 2.326 * std::sqrt(c)), 3);
 }
 
 }  // namespace
@@ -96,14 +96,12 @@ class Georeferencer::Impl {
         }
     if (q.fixes == 0) return q;
     tagged = (tagged / q.fixes).cwiseSqrt();
-    q.sigma_m = tagged.cwiseProduct(noiseFactor());
+    q.sigma_m = tagged.cwiseProduct(noise().factor);
     q.trusted = trusted(q, tagged);
     return q;
   }
 
-  std::string graphText() const {
-    return poseGraphText(segments_, published_, noiseFactor(), options_);
-  }
+  std::string graphText() const { return poseGraphText(segments_, published_, noise(), options_); }
 
   const std::vector<GeoSegment>& published() const { return published_; }
   const std::vector<ScaleSample>& history() const { return history_; }
@@ -128,6 +126,11 @@ class Georeferencer::Impl {
     node.keyframe = geo.keyframe;
     node.fix = geo.fix;
     measureGround(node, options_);
+    if (!segment.nodes.empty())
+      segment.longest_step =
+          std::max(segment.longest_step, (geo.keyframe->T_local_cam.translation() -
+                                          segment.nodes.back().keyframe->T_local_cam.translation())
+                                             .norm());
     segment.nodes.push_back(std::move(node));
     update(segment);
     publish(segment);
@@ -168,9 +171,9 @@ class Georeferencer::Impl {
   }
 
   void solveOnce(Segment& segment, std::size_t first_free) {
-    const Eigen::Vector3d factor = noiseFactor();
-    gateFixes(segment, factor);
-    solve(segment, factor, options_, first_free, kIterations);
+    const Noise now = noise();
+    gateFixes(segment, now);
+    solve(segment, now, options_, first_free, kIterations);
   }
 
   /// Predicts nodes from `first` on by odometry.
@@ -184,37 +187,33 @@ class Georeferencer::Impl {
 
   void solveAll() {
     for (Segment& segment : segments_) segment.solved = initialise(segment, options_);
-    Eigen::Vector3d before = noiseFactor();
+    Noise before = noise();
     for (int round = 0; round < kRoundsAtFlush; ++round) {
       for (Segment& segment : segments_)
         if (segment.solved) {
           gateFixes(segment, before);
           solve(segment, before, options_, 0, kIterations);
         }
-      const Eigen::Vector3d now = noiseFactor();
-      const double change = (now - before).cwiseQuotient(before).cwiseAbs().maxCoeff();
+      const Noise now = noise();
+      const double change =
+          (now.weighed().cwiseQuotient(before.weighed()).array() - 1).abs().maxCoeff();
       before = now;
       if (change < kSettled) break;
     }
     for (Segment& segment : segments_) publish(segment);
   }
 
-  /// Noise of the receiver per axis in tagged sigmas: the posterior mean of the variance under a
-  /// prior that is worth prior_dof fixes at the tagged sigma.
-  Eigen::Vector3d noiseFactor() const {
-    Eigen::Vector3d square = Eigen::Vector3d::Constant(options_.prior_dof), count = square;
-    for (const Segment& segment : segments_) {
-      square += segment.noise.square;
-      count += segment.noise.count;
-    }
-    return square.cwiseQuotient(count).cwiseSqrt();
+  Noise noise() const {
+    NoiseSums sums;
+    for (const Segment& segment : segments_) sums += segment.noise;
+    return noiseOf(sums, options_.prior_dof);
   }
 
   bool trusted(const GnssQuality& q, const Eigen::Vector3d& tagged) const {
     const double good = q.fixes - q.outliers;
     if (q.fixes < kFewestJudged) return true;
     if (q.outliers > kMostOutliers * q.fixes) return false;
-    // 99.9 % sure that the true sigma of one horizontal axis is above the limit.
+    // 99 % sure that the true sigma of one horizontal axis is above the limit.
     for (int k = 0; k < 2; ++k) {
       const double limit = std::max(options_.junk_factor * tagged[k], options_.junk_sigma_m);
       if (q.sigma_m[k] * q.sigma_m[k] * lowChiSquareRatio(good) > limit * limit) return false;

@@ -151,6 +151,21 @@ Sim3 levelledAlignment(const Segment& segment, const std::vector<Eigen::Vector3d
   return S;
 }
 
+/// True when half of the fixes or more lie within twice their tagged noise, in all three axes.
+bool fitsTaggedNoise(const Sim3& S, const Segment& segment) {
+  std::vector<double> horizontal_error, vertical_error;
+  for (const Node& node : segment.nodes)
+    if (node.fix) {
+      const Eigen::Vector3d e =
+          (S * Eigen::Vector3d(node.keyframe->T_local_cam.translation()) - node.fix->position_m)
+              .cwiseQuotient(node.fix->sigma_m);
+      horizontal_error.push_back(e.head<2>().norm());
+      vertical_error.push_back(std::abs(e.z()));
+    }
+  // Medians of the Rayleigh and half-normal distributions of sigma 1.
+  return medianOf(horizontal_error) < 2 * 1.177 && medianOf(vertical_error) < 2 * 0.674;
+}
+
 /// Robust misfit of a candidate: to the fixes at their tagged noise, and of its attitude.
 double misfit(const Sim3& S, const Segment& segment, const GeoreferenceOptions& options) {
   double cost = 0, tilt = 0, count = 0;
@@ -174,22 +189,24 @@ double misfit(const Sim3& S, const Segment& segment, const GeoreferenceOptions& 
 }
 
 /// Noise per axis from the residuals of the rigid fit, by their median.
-NoiseSums rigidNoise(const Segment& segment) {
+NoiseSums rigidNoise(Segment& segment) {
   std::vector<double> error[3];
   for (const Node& node : segment.nodes)
     if (node.fix)
       for (int k = 0; k < 3; ++k)
         error[k].push_back(std::abs(node.T_world_cam.translation()[k] - node.fix->position_m[k]) /
                            node.fix->sigma_m[k]);
-  NoiseSums sums;
-  const double n = static_cast<double>(error[0].size());
   constexpr double kFittedPerAxis = 7.0 / 3;
-  if (n <= kFittedPerAxis + 1) return sums;  // too few to tell: the tagged sigma holds
-  for (int k = 0; k < 3; ++k) {
-    const double sigma = 1.4826 * medianOf(error[k]);
-    sums.square[k] = n * sigma * sigma * n / (n - kFittedPerAxis);
-    sums.count[k] = n;
-  }
+  const double n = static_cast<double>(error[0].size());
+  if (n <= kFittedPerAxis + 1) return {};  // too few to tell: the tagged sigma holds
+  Noise robust;
+  for (int k = 0; k < 3; ++k)
+    robust.factor[k] = 1.4826 * medianOf(error[k]) * std::sqrt(n / (n - kFittedPerAxis));
+  gateFixes(segment, robust);
+  measureNoise(segment, {});
+  NoiseSums sums = segment.noise;  // for the correlation of neighbours
+  sums.count.setConstant(n);
+  sums.square = n * robust.factor.cwiseAbs2();
   return sums;
 }
 
@@ -212,17 +229,18 @@ bool initialise(Segment& segment, const GeoreferenceOptions& options) {
   if (fixes.empty()) return false;
 
   Sim3 S = levelledAlignment(segment, fixes, centres, options);
-  // Where the altitude is good and the path no line, all three axes give the attitude.
+  // Where all three axes are as good as tagged and the path is no line, they give the attitude.
   const int needed = std::max(4, static_cast<int>(fixes.size() * 7 / 10));
   const auto spatial =
       alignPointsRobust(fixes, centres, AlignmentModel::kSim3, threshold, needed, kSeed);
-  if (spatial && misfit(spatial->S_a_b, segment, options) < misfit(S, segment, options))
+  if (spatial && fitsTaggedNoise(spatial->S_a_b, segment) &&
+      misfit(spatial->S_a_b, segment, options) < misfit(S, segment, options))
     S = spatial->S_a_b;
 
   segment.scale = S.scale;
   for (Node& node : segment.nodes) {
     node.T_world_cam = S.carry(node.keyframe->T_local_cam);
-    node.horizontal_outlier = node.vertical_outlier = false;
+    node.covariance.setZero();
   }
   segment.noise = rigidNoise(segment);
   return true;

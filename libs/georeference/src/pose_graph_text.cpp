@@ -25,13 +25,14 @@ CPose3D toMrpt(const Eigen::Isometry3d& T) {
   return CPose3D(T.translation().x(), T.translation().y(), T.translation().z(), yaw, pitch, roll);
 }
 
+/// Angle sigmas about x, y, z.
 CPose3DPDFGaussianInf edge(const Eigen::Isometry3d& T, const Eigen::Vector3d& translation_sigma,
                            const Eigen::Vector3d& angle_sigma) {
   CPose3DPDFGaussianInf out(toMrpt(T));
   out.cov_inv.setZero();
   for (int k = 0; k < 3; ++k) {
     out.cov_inv(k, k) = 1 / (translation_sigma[k] * translation_sigma[k]);
-    out.cov_inv(3 + k, 3 + k) = 1 / (angle_sigma[k] * angle_sigma[k]);
+    out.cov_inv(5 - k, 5 - k) = 1 / (angle_sigma[k] * angle_sigma[k]);  // yaw, pitch, roll
   }
   return out;
 }
@@ -39,7 +40,7 @@ CPose3DPDFGaussianInf edge(const Eigen::Isometry3d& T, const Eigen::Vector3d& tr
 }  // namespace
 
 std::string poseGraphText(const std::vector<Segment>& segments,
-                          const std::vector<GeoSegment>& published, const Eigen::Vector3d& factor,
+                          const std::vector<GeoSegment>& published, const Noise& noise,
                           const GeoreferenceOptions& options) {
   CNetworkOfPoses3DInf graph;
   graph.root = kWorld;
@@ -73,11 +74,11 @@ std::string poseGraphText(const std::vector<Segment>& segments,
       Eigen::Isometry3d seen = T;
       if (node.fix && !node.horizontal_outlier) {
         seen.translation().head<2>() = node.fix->position_m.head<2>();
-        position_sigma.head<2>() = node.fix->sigma_m.cwiseProduct(factor).head<2>();
+        position_sigma.head<2>() = node.fix->sigma_m.cwiseProduct(noise.weighed()).head<2>();
       }
       if (node.fix && !node.vertical_outlier) {
         seen.translation().z() = node.fix->position_m.z();
-        position_sigma.z() = node.fix->sigma_m.z() * factor.z();
+        position_sigma.z() = node.fix->sigma_m.z() * noise.weighed().z();
       }
       if (i == 0)  // the attitude as the whole segment decided it
         angle_sigma = node.covariance.diagonal().tail<3>().cwiseSqrt();

@@ -84,20 +84,34 @@ struct VerticalFixResidual {
   }
 };
 
-/// Attitude as the gimbal tags it: tilt from accelerometers, yaw from a compass.
-struct GimbalResidual {
+/// Tilt as the gimbal tags it, from accelerometers: where up is in the camera frame.
+struct TiltResidual {
+  LinearPose pose;
+  Eigen::Vector3d up_cam;
+  double sigma;  ///< [rad]
+
+  template <class T>
+  bool operator()(const T* block, T* residual) const {
+    const Eigen::Matrix<T, 3, 1> up =
+        pose.rotationAt(block).conjugate() * Eigen::Vector3d::UnitZ().cast<T>().eval();
+    for (int k = 0; k < 3; ++k) residual[k] = (up[k] - up_cam[k]) / sigma;
+    return true;
+  }
+};
+
+/// Heading as the gimbal tags it, from a compass: the turn about up to the tagged attitude.
+struct YawResidual {
   LinearPose pose;
   Eigen::Quaterniond tagged;
-  double tilt_sigma, yaw_sigma;  ///< [rad]
+  double sigma;  ///< [rad]
 
   template <class T>
   bool operator()(const T* block, T* residual) const {
     const Eigen::Quaternion<T> error = pose.rotationAt(block) * tagged.conjugate().cast<T>();
+    T turn[3];
     const T wxyz[4] = {error.w(), error.x(), error.y(), error.z()};
-    ceres::QuaternionToAngleAxis(wxyz, residual);
-    residual[0] /= tilt_sigma;
-    residual[1] /= tilt_sigma;
-    residual[2] /= yaw_sigma;
+    ceres::QuaternionToAngleAxis(wxyz, turn);
+    residual[0] = turn[2] / sigma;
     return true;
   }
 };

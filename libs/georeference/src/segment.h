@@ -28,11 +28,28 @@ struct Node {
   bool horizontal_outlier = false, vertical_outlier = false;
 };
 
-/// Sums over fixes from which the noise of the receiver is estimated, per axis (ENU).
-struct NoiseSums {
-  Eigen::Vector3d square = Eigen::Vector3d::Zero();  ///< of errors in tagged sigmas
-  Eigen::Vector3d count = Eigen::Vector3d::Zero();
+/// Noise of the receiver per axis (ENU), in tagged sigmas.
+struct Noise {
+  Eigen::Vector3d factor = Eigen::Vector3d::Ones();  ///< of one fix
+  /// How much wider fixes must be weighed because their errors follow one another:
+  /// sqrt((1 + r) / (1 - r)) with r the correlation of neighbours; 1 for white noise.
+  Eigen::Vector3d colour = Eigen::Vector3d::Ones();
+
+  Eigen::Vector3d weighed() const { return factor.cwiseProduct(colour); }
 };
+
+/// Sums over fixes from which it is estimated, per axis, of errors in tagged sigmas.
+struct NoiseSums {
+  Eigen::Vector3d square = Eigen::Vector3d::Zero();    ///< expected squares, for the factor
+  Eigen::Vector3d count = Eigen::Vector3d::Zero();     ///< of fixes
+  Eigen::Vector3d residual = Eigen::Vector3d::Zero();  ///< squared residuals of neighbouring pairs
+  Eigen::Vector3d lagged = Eigen::Vector3d::Zero();    ///< their products
+  Eigen::Vector3d pairs = Eigen::Vector3d::Zero();
+
+  NoiseSums& operator+=(const NoiseSums& o);
+};
+/// Posterior mean of the variance under a prior worth `prior_dof` fixes at the tagged sigma.
+Noise noiseOf(const NoiseSums& sums, double prior_dof);
 
 struct Segment {
   int number = 0;
@@ -40,6 +57,7 @@ struct Segment {
   double scale = 1;
   double log_scale_sigma = 0;
   bool solved = false;
+  double longest_step = 0;          ///< of odometry [VO units]
   std::size_t full_solve_size = 0;  ///< keyframes at the last full solve
   NoiseSums noise;
 
@@ -61,12 +79,16 @@ Increment incrementTo(const Segment& segment, std::size_t j, const GeoreferenceO
 /// Returns false without any fix. `segment.noise` is set from the rigid residuals.
 bool initialise(Segment& segment, const GeoreferenceOptions& options);
 
-/// Marks fixes that residuals of the current poses call outliers; `factor`: noise in tagged sigmas.
-void gateFixes(Segment& segment, const Eigen::Vector3d& factor);
+/// Marks fixes that residuals of the current poses call outliers.
+void gateFixes(Segment& segment, const Noise& noise);
+
+/// Sets `segment.noise` from the current poses, outliers left out.
+void measureNoise(Segment& segment, const Noise& used);
 
 /// Minimises residuals (5), (6) and the attitude priors over nodes from `first_free` on, and over
-/// the scale if that is 0; then sets covariances and `segment.noise` of all nodes.
-void solve(Segment& segment, const Eigen::Vector3d& factor, const GeoreferenceOptions& options,
+/// the scale if that is 0; then sets covariances and `segment.noise` of all nodes. A segment whose
+/// estimate is not finite ends unsolved.
+void solve(Segment& segment, const Noise& noise, const GeoreferenceOptions& options,
            std::size_t first_free, int max_iterations);
 
 /// Exact marginal covariances of a chain with one border variable. The information matrix is block
@@ -84,7 +106,7 @@ ChainCovariance marginals(const ChainInformation& information);
 
 /// MRPT text of the graph of all segments.
 std::string poseGraphText(const std::vector<Segment>& segments,
-                          const std::vector<GeoSegment>& published, const Eigen::Vector3d& factor,
+                          const std::vector<GeoSegment>& published, const Noise& noise,
                           const GeoreferenceOptions& options);
 
 }  // namespace cf

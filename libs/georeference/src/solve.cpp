@@ -12,19 +12,15 @@
 namespace cf {
 namespace {
 
-constexpr double kHuberFix = 2.5;         ///< in sigmas
-constexpr double kCauchyAttitude = 2;     ///< in sigmas
-constexpr double kLooseYaw = M_PI;        ///< nothing known of the heading
-constexpr double kLooseLogScale = 3;      ///< a factor of 20 either way
-constexpr double kHorizontalGate = 15.2;  ///< chi-square, 2 degrees of freedom, 0.9995
-constexpr double kVerticalGate = 12.1;    ///< 1 degree of freedom, 0.9995
-constexpr int kFewestGated = 6;           ///< with fewer fixes none is called an outlier
+constexpr double kHuberFix = 2.5;      ///< in sigmas
+constexpr double kCauchyAttitude = 2;  ///< in sigmas
+constexpr double kLooseYaw = M_PI;     ///< nothing known of the heading
+constexpr double kLooseLogScale = 3;   ///< a factor of 20 either way
 
 /// The parameters and residuals of one segment, linearised at its current estimate.
 class Linearised {
  public:
-  Linearised(const Segment& segment, const Eigen::Vector3d& factor,
-             const GeoreferenceOptions& options)
+  Linearised(const Segment& segment, const Noise& noise, const GeoreferenceOptions& options)
       : segment_(segment), options_(options), blocks_(segment.nodes.size()) {
     for (auto& block : blocks_) {
       block.fill(0);
@@ -32,7 +28,7 @@ class Linearised {
     }
     problem_.AddParameterBlock(&log_scale_, 1);
     for (std::size_t j = 1; j < blocks_.size(); ++j) addOdometry(j);
-    for (std::size_t i = 0; i < blocks_.size(); ++i) addFix(i, factor);
+    for (std::size_t i = 0; i < blocks_.size(); ++i) addFix(i, noise);
     addAttitudes();
     addScaleHints();
     add<LooseResidual, 1, 6>({5, kLooseYaw}, nullptr, blocks_[0].data());
@@ -116,11 +112,11 @@ class Linearised {
         nullptr, blocks_[j - 1].data(), blocks_[j].data(), &log_scale_);
   }
 
-  void addFix(std::size_t i, const Eigen::Vector3d& factor) {
+  void addFix(std::size_t i, const Noise& noise) {
     const Node& node = segment_.nodes[i];
     if (!node.fix) return;
     const LinearPose pose(node.T_world_cam);
-    const Eigen::Vector3d sigma = node.fix->sigma_m.cwiseProduct(factor);
+    const Eigen::Vector3d sigma = node.fix->sigma_m.cwiseProduct(noise.weighed());
     if (!node.horizontal_outlier)
       add<HorizontalFixResidual, 2, 6>({pose, node.fix->position_m.head<2>(), sigma.head<2>()},
                                        new ceres::HuberLoss(kHuberFix), blocks_[i].data());
@@ -144,17 +140,19 @@ class Linearised {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const Node& node = segment_.nodes[i];
       const LinearPose pose(node.T_world_cam);
-      if (node.keyframe->attitude)
-        add<GimbalResidual, 3, 6>(
-            {pose, Eigen::Quaterniond(rotationWorldCam(*node.keyframe->attitude)),
-             options_.gimbal_tilt_sigma_deg * kRadPerDeg,
-             options_.gimbal_yaw_sigma_deg * kRadPerDeg},
-            sharedLoss(tagged), blocks_[i].data());
-      else if (tagged == 0)
+      if (node.keyframe->attitude) {
+        const Eigen::Quaterniond tag(rotationWorldCam(*node.keyframe->attitude));
+        add<TiltResidual, 3, 6>({pose, tag.conjugate() * Eigen::Vector3d::UnitZ(),
+                                 options_.gimbal_tilt_sigma_deg * kRadPerDeg},
+                                sharedLoss(tagged), blocks_[i].data());
+        add<YawResidual, 1, 6>({pose, tag, options_.gimbal_yaw_sigma_deg * kRadPerDeg},
+                               sharedLoss(tagged), blocks_[i].data());
+      } else if (tagged == 0) {
         add<DirectionResidual, 3, 6>({pose, Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitZ(),
                                       options_.nadir_sigma_deg * kRadPerDeg},
                                      sharedLoss(static_cast<double>(blocks_.size())),
                                      blocks_[i].data());
+      }
       if (node.ground_normal_cam)
         add<DirectionResidual, 3, 6>(
             {pose, *node.ground_normal_cam, Eigen::Vector3d::UnitZ(), node.ground_sigma_rad},
@@ -190,53 +188,25 @@ Increment incrementTo(const Segment& segment, std::size_t j, const GeoreferenceO
   const double depth = std::max(a.median_depth, b.median_depth);
   out.translation_sigma =
       options.vo_step_sigma * out.T_i_j.translation().norm() + options.vo_depth_sigma * depth;
-  // Photos of one place: not more certain than a thousandth of the segment's usual step.
-  double path = 0;
-  for (std::size_t k = 1; k < segment.nodes.size() && path == 0; ++k)
-    path = (segment.nodes[k].keyframe->T_local_cam.translation() -
-            segment.nodes[k - 1].keyframe->T_local_cam.translation())
-               .norm();
-  out.translation_sigma = std::max({out.translation_sigma, 1e-3 * path, 1e-9});
+  // Photos of one place: not more certain than a thousandth of the segment's longest step.
+  const double floor = segment.longest_step > 0 ? 1e-3 * segment.longest_step : 1e-3;
+  out.translation_sigma = std::max(out.translation_sigma, floor);
   return out;
 }
 
-void gateFixes(Segment& segment, const Eigen::Vector3d& factor) {
-  const bool enough = segment.fixes() >= kFewestGated;
-  for (Node& node : segment.nodes) {
-    node.horizontal_outlier = node.vertical_outlier = false;
-    if (!node.fix || !enough) continue;
-    const Eigen::Vector3d e = (node.T_world_cam.translation() - node.fix->position_m)
-                                  .cwiseQuotient(node.fix->sigma_m.cwiseProduct(factor));
-    node.horizontal_outlier = e.head<2>().squaredNorm() > kHorizontalGate;
-    node.vertical_outlier = e.z() * e.z() > kVerticalGate;
-  }
-}
-
-void solve(Segment& segment, const Eigen::Vector3d& factor, const GeoreferenceOptions& options,
+void solve(Segment& segment, const Noise& noise, const GeoreferenceOptions& options,
            std::size_t first_free, int max_iterations) {
   {
-    Linearised problem(segment, factor, options);
+    Linearised problem(segment, noise, options);
     problem.minimise(first_free, max_iterations);
     problem.apply(segment);
   }
-  const ChainCovariance covariance = marginals(Linearised(segment, factor, options).information());
+  const ChainCovariance covariance = marginals(Linearised(segment, noise, options).information());
   segment.log_scale_sigma = std::sqrt(covariance.corner);
-  segment.noise = NoiseSums{};
-  for (std::size_t i = 0; i < segment.nodes.size(); ++i) {
-    Node& node = segment.nodes[i];
-    node.covariance = covariance.diagonal[i];
-    if (!node.fix) continue;
-    // Expectation of the squared error of the fix: residual plus what the pose is uncertain.
-    const Eigen::Vector3d square =
-        ((node.T_world_cam.translation() - node.fix->position_m).cwiseAbs2() +
-         node.covariance.diagonal().head<3>())
-            .cwiseQuotient(node.fix->sigma_m.cwiseAbs2());
-    const Eigen::Vector3d use(node.horizontal_outlier ? 0 : 1, node.horizontal_outlier ? 0 : 1,
-                              node.vertical_outlier ? 0 : 1);
-    segment.noise.square += use.cwiseProduct(square);
-    segment.noise.count += use;
-  }
-  segment.solved = true;
+  for (std::size_t i = 0; i < segment.nodes.size(); ++i)
+    segment.nodes[i].covariance = covariance.diagonal[i];
+  measureNoise(segment, noise);
+  segment.solved = std::isfinite(segment.log_scale_sigma) && std::isfinite(segment.scale);
 }
 
 }  // namespace cf
