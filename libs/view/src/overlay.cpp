@@ -49,7 +49,7 @@ double roundBelow(double value) {
   return power;
 }
 
-void drawUavLegend(cv::Mat& picture, const SceneInputs& scene) {
+void drawUavLegend(cv::Mat& picture, const SceneInputs& scene, bool at_bottom) {
   if (scene.tracks.empty()) return;
   const std::size_t kMost = 12;
   const std::size_t rows = std::min(kMost, scene.tracks.size());
@@ -70,8 +70,9 @@ void drawUavLegend(cv::Mat& picture, const SceneInputs& scene) {
   int width = 0;
   for (const auto& line : lines) width = std::max(width, textSize(picture, line.first).width);
   const int height = pitch * static_cast<int>(lines.size());
-  panel(picture, {margin / 2, margin / 2, width + mark + 2 * margin, height + margin});
-  int y = margin + pitch / 2;
+  const int top = at_bottom ? picture.rows - height - 2 * margin : 0;
+  panel(picture, {margin / 2, top + margin / 2, width + mark + 2 * margin, height + margin});
+  int y = top + margin + pitch / 2;
   for (const auto& [text, colour] : lines) {
     cv::line(picture, {margin, y}, {margin + mark * 3 / 4, y}, colour, scaled(picture, 5),
              cv::LINE_AA);

@@ -11,8 +11,8 @@
 
 namespace cf {
 
-/// Names of the UAVs in their colours, upper left.
-void drawUavLegend(cv::Mat& picture, const SceneInputs& scene);
+/// Names of the UAVs in their colours: upper left, or lower left where trajectories are above.
+void drawUavLegend(cv::Mat& picture, const SceneInputs& scene, bool at_bottom);
 /// A bar of a round length, lower left; parallel projection only.
 void drawScaleBar(cv::Mat& picture, const ViewCamera& camera);
 /// Arrow to the north as the ground shows it, upper right; none where north is into the picture.

@@ -170,7 +170,9 @@ void renderSnapshot(const SceneInputs& scene, const View& view, ImageSize size,
     closeGaps(surface, 4);
   }
   const double ui = camera.size.height / 1080.0;
-  shadeRelief(surface, camera, 5 * ui, splat_px);
+  // Seen at a grazing angle the steps between flat splats are longer in depth.
+  const double steepness = std::max(1.0, 1.5 / std::tan(camera.elevation_deg * M_PI / 180.0));
+  shadeRelief(surface, camera, 5 * ui, splat_px * steepness);
   if (view.kind != View::Kind::kHeight)
     layOver(surface,
             offscreen.render(
@@ -179,7 +181,7 @@ void renderSnapshot(const SceneInputs& scene, const View& view, ImageSize size,
 
   cv::Mat picture;
   cv::resize(surface.colour, picture, {size.width, size.height}, 0, 0, cv::INTER_AREA);
-  if (view.kind != View::Kind::kHeight) drawUavLegend(picture, scene);
+  if (view.kind != View::Kind::kHeight) drawUavLegend(picture, scene, !camera.orthographic);
   if (scene.georeferenced) {
     drawScaleBar(picture, camera);
     drawNorthArrow(picture, camera);

@@ -164,7 +164,7 @@ ViewCamera frameScene(const SceneInputs& scene, const View& view, ImageSize size
       camera.orthographic = true;
       break;
     case View::Kind::kFront:
-      camera.elevation_deg = 12;
+      camera.elevation_deg = 18;
       break;
     case View::Kind::kIso:
     case View::Kind::kOctomap:
