@@ -76,6 +76,7 @@ EpipolarPose refineEpipolar(const Eigen::Isometry3d& T_a_b, const std::vector<Ei
       gradient += weight * J * e;
     }
     const auto factors = hessian.ldlt();
+    pose.sigma = sigma;
     pose.covariance = factors.solve(Matrix5d::Identity());
     if (round < kRounds) pose.T_a_b = moved(pose.T_a_b, -factors.solve(gradient));
   }

@@ -12,6 +12,7 @@ struct EpipolarPose {
   /// First order, from the Sampson errors: tilt of the translation (2, about two axes normal to
   /// it), rotation vector (3, in b: R_a_b exp(w)).
   Eigen::Matrix<double, 5, 5> covariance = Eigen::Matrix<double, 5, 5>::Zero();
+  double sigma = 0;  ///< of a Sampson error
 };
 
 /// Robust least squares on the Sampson errors of the inliers, whose own spread scales the loss.

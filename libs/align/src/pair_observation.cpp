@@ -89,6 +89,7 @@ struct Observed {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< translation in units of its model
   std::vector<char> inlier;
   int inliers = 0;
+  double sigma = 0;                          ///< of one match, normalized plane
   double across_sigma = 0, along_sigma = 0;  ///< of the translation, in the same units
   Eigen::Vector3d rotation_variance = Eigen::Vector3d::Zero();
   std::vector<double> depth_a, depth_b;  ///< per match, in the same units; 0 = none
@@ -124,6 +125,7 @@ Observed byHomography(const PlanarPose& pose, const Matched& m) {
   o.T_a_b = pose.motion.T_a_b;
   o.inlier = pose.inlier;
   o.inliers = pose.inliers;
+  o.sigma = pose.sigma;
   const Eigen::Vector3d c = o.T_a_b.translation();
   const Eigen::Vector3d u =
       c.norm() > 0 ? c.normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitX());
@@ -149,6 +151,7 @@ Observed byEssential(const TwoView& view, const Matched& m) {
   o.T_a_b = pose.T_a_b;
   o.inlier = view.inlier;
   o.inliers = view.inliers;
+  o.sigma = pose.sigma;
   o.across_sigma = std::sqrt(pose.covariance.diagonal().head<2>().mean());
   o.rotation_variance = pose.covariance.diagonal().tail<3>();
   o.depth_a.assign(m.a.size(), 0);
@@ -174,6 +177,17 @@ bool isPlanar(const Result<PlanarPose>& planar, const Matched& m, const PairOpti
   return planar->inliers >= options.planar_share * static_cast<double>(epipolar);
 }
 
+/// Lens, principal point and rolling shutter move neighbouring features alike, so they do not
+/// average out with the number of matches but with that of their independent modes over a photo.
+void inflate(Observed& o, double systematic) {
+  constexpr double kModes = 10;
+  const double ratio = systematic / o.sigma;
+  const double factor = 1 + o.inliers / kModes * ratio * ratio;
+  o.rotation_variance *= factor;
+  o.across_sigma *= std::sqrt(factor);
+  o.along_sigma *= std::sqrt(factor);
+}
+
 /// Metres per unit of the observed translation: median of known over observed depths.
 DepthLength lengthBy(const std::vector<double>& known, const std::vector<double>& observed,
                      const Observed& o) {
@@ -195,13 +209,6 @@ DepthLength lengthBy(const std::vector<double>& known, const std::vector<double>
       std::hypot(1.2533 * 1.4826 * median() / std::sqrt(count), kDepthFloor * unit_m);
   const double units = o.T_a_b.translation().norm();
   return {units * unit_m, std::hypot(o.along_sigma * unit_m, units * unit_sigma_m)};
-}
-
-/// Of the inliers, in a, in units of the observed translation.
-double meanDepth(const Observed& o) {
-  double sum = 0;
-  for (std::size_t i = 0; i < o.inlier.size(); ++i) sum += o.inlier[i] ? o.depth_a[i] : 0;
-  return sum / o.inliers;
 }
 
 double square(double x) { return x * x; }
@@ -234,8 +241,9 @@ void PairOptions::visit(OptionVisitor& v) {
            "largest angle between a relative pose and the georeferenced attitudes [deg]");
   v.number("pair_prior_sigma_deg", prior_sigma_deg, {0.1, 90},
            "standard deviation of a georeferenced attitude [deg]");
-  v.number("pair_systematic", systematic, {0, 0.01},
-           "error that all matches of a pair share, pixels over focal length");
+  v.number(
+      "pair_systematic", systematic, {0, 0.01},
+      "error that neighbouring matches share (lens, rolling shutter), pixels over focal length");
 }
 
 const char* name(PairModel model) {
@@ -278,6 +286,8 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
     return Failure{"low_share", std::to_string(o.inliers) + " inliers of " + total};
   }
 
+  inflate(o, options.systematic);
+
   PairObservation result;
   result.model = o.model;
   result.segment_a = a.keyframe->segment;
@@ -305,11 +315,8 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
   const double length_m = merged.sigma_m > 0 ? merged.length_m : result.gnss_length_m;
   const double along_sigma_m = merged.sigma_m > 0 ? merged.sigma_m : 0.5 * length_m;
   const double unit_m = units > 0 ? length_m / units : 1;
-  // What all matches share turns into an error of rotation, and of translation over depth.
-  const double rotation_floor = square(options.systematic);
-  const double across_floor_m = options.systematic * unit_m * meanDepth(o);
-  result.across_sigma_m = std::hypot(o.across_sigma * unit_m, across_floor_m);
-  result.rotation_sigma_rad = std::sqrt(o.rotation_variance.mean() + rotation_floor);
+  result.across_sigma_m = o.across_sigma * unit_m;
+  result.rotation_sigma_rad = std::sqrt(o.rotation_variance.mean());
 
   RelativePose& pose = result.pose;
   pose.a = a.keyframe->id;
@@ -321,7 +328,7 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
   pose.sigma.head<3>() =
       (square(along_sigma_m) * u2 + square(result.across_sigma_m) * (Eigen::Vector3d::Ones() - u2))
           .cwiseSqrt();
-  pose.sigma.tail<3>() = (o.rotation_variance.array() + rotation_floor).sqrt();
+  pose.sigma.tail<3>() = o.rotation_variance.cwiseSqrt();
   pose.residual_before = (predicted.translation() - pose.T_a_b.translation()).norm();
   for (std::size_t i = 0; i < matches.size(); ++i) {
     if (o.inlier[i]) result.inliers.push_back(matches[i]);

@@ -21,7 +21,8 @@ struct PairOptions {
                               ///< as is one with half of the matches
   double max_rotation_deg = 25;  ///< against a trusted attitude
   double prior_sigma_deg = 8;    ///< of a trusted attitude
-  double systematic = 1e-4;      ///< error that matches share (lens, rolling shutter), over focal
+  /// Error that neighbouring matches share (lens, principal point, rolling shutter), over focal.
+  double systematic = 5e-4;
 
   void visit(OptionVisitor& v);
 };
