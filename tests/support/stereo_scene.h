@@ -23,10 +23,10 @@ struct HouseScene {
   double height(double x, double y) const {
     return std::abs(x) <= half_width_m && std::abs(y) <= half_width_m ? roof_m : 0;
   }
-  /// Distance to the nearest wall's foot or edge, seen from above.
+  /// Distance to the nearest wall seen from above, negative on the roof.
   double distanceToWall(double x, double y) const {
     const double dx = std::abs(x) - half_width_m, dy = std::abs(y) - half_width_m;
-    if (dx <= 0 && dy <= 0) return -std::max(dx, dy);
+    if (dx <= 0 && dy <= 0) return std::max(dx, dy);
     return std::hypot(std::max(dx, 0.0), std::max(dy, 0.0));
   }
   /// First hit of a ray from above.

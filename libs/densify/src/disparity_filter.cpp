@@ -14,6 +14,8 @@ constexpr int kWindow = 7;  // px, of the correlation
 constexpr float kCorrelationNone = 0.2F, kCorrelationFull = 0.9F;
 constexpr float kTextureSigma = 2.5F;  // grey levels: noise of a photo
 
+constexpr float kMinSlopeEnergy = 4;  // squared grey levels per px
+constexpr float kMaxRefinementPx = 0.75F;
 constexpr int kFillStep = 32;  // 1/16 px of the coarse level
 constexpr float kFillConfidence = 0.5F;
 
@@ -41,6 +43,48 @@ void clearOutside(cv::Mat& disparity, const StereoInput& input) {
 
 void clearSpeckles(cv::Mat& disparity, int min_pixels, double max_step_px) {
   cv::filterSpeckles(disparity, kNoDisparity, min_pixels, 16 * max_step_px);
+}
+
+void refineDisparity(cv::Mat& disparity, const StereoInput& input) {
+  const cv::Size size = disparity.size();
+  const auto zero = [&size] { return cv::Mat(size, CV_32F, cv::Scalar(0)); };
+  cv::Mat slope = zero(), rest = zero(), slope2 = zero(), product = zero(), valid = zero();
+  for (int v = 0; v < size.height; ++v) {
+    const auto* d = disparity.ptr<std::int16_t>(v);
+    const auto* left = input.reference.ptr<uchar>(v);
+    const auto* right = input.partner.ptr<uchar>(v);
+    for (int u = 0; u < size.width; ++u) {
+      if (d[u] == kNoDisparity) continue;
+      const int position = 16 * u - d[u], x = position >> 4;
+      if (x < 1 || x + 2 >= input.partner.cols) continue;
+      const float t = static_cast<float>(position & 15) / 16.F;
+      const auto between = [t](int a, int b) {
+        return static_cast<float>(a) + t * static_cast<float>(b - a);
+      };
+      const float g = between(right[x + 1] - right[x - 1], right[x + 2] - right[x]) / 2;
+      const float e = static_cast<float>(left[u]) - between(right[x], right[x + 1]);
+      slope.ptr<float>(v)[u] = g;
+      rest.ptr<float>(v)[u] = e;
+      slope2.ptr<float>(v)[u] = g * g;
+      product.ptr<float>(v)[u] = g * e;
+      valid.ptr<float>(v)[u] = 1;
+    }
+  }
+  for (cv::Mat* sum : {&slope, &rest, &slope2, &product, &valid}) *sum = boxMean(*sum);
+  for (int v = 0; v < size.height; ++v) {
+    auto* d = disparity.ptr<std::int16_t>(v);
+    for (int u = 0; u < size.width; ++u) {
+      if (d[u] == kNoDisparity) continue;
+      const float n = std::max(valid.ptr<float>(v)[u], 0.01F);
+      const float mean = slope.ptr<float>(v)[u] / n;
+      const float energy = slope2.ptr<float>(v)[u] / n - mean * mean;
+      if (energy < kMinSlopeEnergy) continue;
+      const float shift =
+          (product.ptr<float>(v)[u] / n - mean * rest.ptr<float>(v)[u] / n) / energy;
+      if (std::abs(shift) > kMaxRefinementPx) continue;
+      d[u] = static_cast<std::int16_t>(d[u] - std::lround(16 * shift));
+    }
+  }
 }
 
 void smoothDisparity(cv::Mat& disparity, double max_step_px) {

@@ -16,6 +16,11 @@ void clearOutside(cv::Mat& disparity, const StereoInput& input);
 /// `max_step_px`.
 void clearSpeckles(cv::Mat& disparity, int min_pixels, double max_step_px);
 
+/// Sub-pixel disparities by one Gauss-Newton step (Lucas and Kanade 1981): the shift of the warped
+/// partner, common to a window about each pixel, that explains what is left of the grey difference
+/// but for its mean. The census cost alone draws disparities to whole pixels.
+void refineDisparity(cv::Mat& disparity, const StereoInput& input);
+
 /// Bilateral mean over the 3 x 3 neighbours that differ by at most `max_step_px` from the centre:
 /// smooths noise, keeps steps.
 void smoothDisparity(cv::Mat& disparity, double max_step_px);

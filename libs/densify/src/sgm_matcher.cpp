@@ -146,6 +146,7 @@ class SgmMatcher : public StereoMatcher {
       clearSpeckles(disparity, k > 0 ? kCoarseSpeckle : kSpeckle, kSpeckleStepPx);
       coarse = disparity.clone();
       if (k >= kFillLevels) continue;
+      if (k == 0) refineDisparity(disparity, level);
       smoothDisparity(disparity, 1);
       StereoOutput here{disparity, confidenceOf(disparity, level)};
       if (!output.disparity.empty()) fillFromCoarse(here, output);
