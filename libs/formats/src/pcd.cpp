@@ -190,7 +190,7 @@ void writePcd(const std::filesystem::path& path, const Tile& tile) {
   }
   AtomicFile file(path);
   file.write(header);
-  file.write(data.data(), data.size());
+  if (!data.empty()) file.write(data.data(), data.size());
   file.commit();
 }
 
