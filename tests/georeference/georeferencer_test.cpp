@@ -64,6 +64,21 @@ TEST(Georeferencer, NoiseIsEstimatedWhateverTheTagSays) {
   EXPECT_LT(stage.quality().sigma_m.z(), 2.0);
 }
 
+TEST(Georeferencer, TagsThatAreFarTooSmallDoNoHarm) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    FlightPlan plan;
+    plan.sigma_m = {0.5, 0.5, 0.5};
+    plan.tagged_m = {0.02, 0.02, 0.03};
+    plan.pitch_deg = 16;
+    const Flight flight = test::fly(plan, seed);
+    const Georeferencer stage = test::run(flight);
+    const auto e = test::errorOf(stage.segments()[0].poses[20], flight.T_world_cam[20]);
+    EXPECT_LT(e.tail<3>().norm(), 1 * M_PI / 180) << seed;
+    EXPECT_NEAR(stage.quality().sigma_m.x(), 0.5, 0.25) << seed;
+    EXPECT_TRUE(stage.quality().trusted);
+  }
+}
+
 TEST(Georeferencer, TenPercentOutliersAreNamedAndHarmless) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     Flight flight = test::fly({}, seed);

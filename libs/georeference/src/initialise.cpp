@@ -18,11 +18,16 @@ using Complex = std::complex<double>;
 constexpr unsigned kSeed = 1;
 constexpr int kSamples = 300;
 constexpr int kRefinements = 10;
+/// Tags are often smaller than the truth (RTK with photo times of a second): a start is not refused
+/// for what an ordinary receiver is off by.
+const Eigen::Vector3d kOrdinarySigma(1.5, 1.5, 3);
 
 double medianOf(std::vector<double> v) {
   std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
   return v[v.size() / 2];
 }
+
+Eigen::Vector3d startSigma(const GnssPosition& fix) { return fix.sigma_m.cwiseMax(kOrdinarySigma); }
 
 Complex horizontal(const Eigen::Vector3d& p) { return {p.x(), p.y()}; }
 
@@ -151,14 +156,14 @@ Sim3 levelledAlignment(const Segment& segment, const std::vector<Eigen::Vector3d
   return S;
 }
 
-/// True when half of the fixes or more lie within twice their tagged noise, in all three axes.
-bool fitsTaggedNoise(const Sim3& S, const Segment& segment) {
+/// True when half of the fixes or more lie within twice their usual noise, in all three axes.
+bool fitsUsualNoise(const Sim3& S, const Segment& segment) {
   std::vector<double> horizontal_error, vertical_error;
   for (const Node& node : segment.nodes)
     if (node.fix) {
       const Eigen::Vector3d e =
           (S * Eigen::Vector3d(node.keyframe->T_local_cam.translation()) - node.fix->position_m)
-              .cwiseQuotient(node.fix->sigma_m);
+              .cwiseQuotient(startSigma(*node.fix));
       horizontal_error.push_back(e.head<2>().norm());
       vertical_error.push_back(std::abs(e.z()));
     }
@@ -166,14 +171,14 @@ bool fitsTaggedNoise(const Sim3& S, const Segment& segment) {
   return medianOf(horizontal_error) < 2 * 1.177 && medianOf(vertical_error) < 2 * 0.674;
 }
 
-/// Robust misfit of a candidate: to the fixes at their tagged noise, and of its attitude.
+/// Robust misfit of a candidate: to the fixes at their usual noise, and of its attitude.
 double misfit(const Sim3& S, const Segment& segment, const GeoreferenceOptions& options) {
   double cost = 0, tilt = 0, count = 0;
   for (const Node& node : segment.nodes) {
     const Eigen::Isometry3d T = S.carry(node.keyframe->T_local_cam);
     if (node.fix) {
       const Eigen::Vector3d e =
-          (T.translation() - node.fix->position_m).cwiseQuotient(node.fix->sigma_m);
+          (T.translation() - node.fix->position_m).cwiseQuotient(startSigma(*node.fix));
       cost += std::log1p(e.head<2>().squaredNorm() / 4) + std::log1p(e.z() * e.z() / 4);
     }
     const bool tagged = node.keyframe->attitude.has_value();
@@ -224,16 +229,16 @@ bool initialise(Segment& segment, const GeoreferenceOptions& options) {
     if (node.fix) {
       fixes.push_back(node.fix->position_m);
       centres.push_back(node.keyframe->T_local_cam.translation());
-      threshold = std::max(threshold, 3 * node.fix->sigma_m.norm());
+      threshold = std::max(threshold, 3 * startSigma(*node.fix).norm());
     }
   if (fixes.empty()) return false;
 
   Sim3 S = levelledAlignment(segment, fixes, centres, options);
-  // Where all three axes are as good as tagged and the path is no line, they give the attitude.
+  // Where all three axes are as good as usual and the path is no line, they give the attitude.
   const int needed = std::max(4, static_cast<int>(fixes.size() * 7 / 10));
   const auto spatial =
       alignPointsRobust(fixes, centres, AlignmentModel::kSim3, threshold, needed, kSeed);
-  if (spatial && fitsTaggedNoise(spatial->S_a_b, segment) &&
+  if (spatial && fitsUsualNoise(spatial->S_a_b, segment) &&
       misfit(spatial->S_a_b, segment, options) < misfit(S, segment, options))
     S = spatial->S_a_b;
 
