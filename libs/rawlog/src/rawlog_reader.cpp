@@ -3,13 +3,13 @@
 #include "cf/rawlog/rawlog_reader.h"
 
 #include <fmt/format.h>
-#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -56,38 +56,51 @@ struct Observations {
   }
 };
 
-/// Counts what is read: MRPT reports the end of a file inside an object like one between objects.
-struct CountingInput {
-  mrpt::io::CFileGZInputStream file;
-  std::size_t count = 0;
-  bool damaged = false;
+/// A gzip-compressed or plain file, in the form that MRPT's archives read from. MRPT's own stream
+/// cannot tell the end of a file that breaks off between two objects from the regular end.
+class GzipInput {
+ public:
+  explicit GzipInput(const fs::path& path)
+      : name_(path.string()), file_(gzopen(path.c_str(), "rb")) {}
+  ~GzipInput() { gzclose_r(file_); }
+  GzipInput(const GzipInput&) = delete;
+  GzipInput& operator=(const GzipInput&) = delete;
 
+  bool isOpen() const { return file_ != nullptr; }
   std::size_t Read(void* to, std::size_t bytes) {
-    const std::size_t got = file.Read(to, bytes);
-    if (got > bytes) {  // zlib's -1 for a broken file, which MRPT hands on as it is
-      damaged = true;
-      return 0;
-    }
-    count += got;
+    const std::size_t got = gzfread(to, 1, bytes, file_);
+    count_ += got;
     return got;
   }
   std::size_t Write(const void*, std::size_t) { return 0; }
-  std::string getStreamDescription() const { return file.getStreamDescription(); }
+  std::string getStreamDescription() const { return name_; }
+
+  std::size_t count() const { return count_; }  ///< bytes read
+  bool damaged() const {
+    int code = Z_OK;
+    gzerror(file_, &code);
+    return code != Z_OK;
+  }
+
+ private:
+  std::string name_;
+  gzFile file_;
+  std::size_t count_ = 0;
 };
 
 Observations readAll(const fs::path& rawlog, Warnings& warnings) {
   std::error_code ignored;
-  CountingInput input;
-  if (!fs::is_regular_file(rawlog, ignored) || !input.file.open(rawlog.string()))
+  GzipInput input(rawlog);
+  if (!fs::is_regular_file(rawlog, ignored) || !input.isOpen())
     throw RunError(fmt::format("{} cannot be read: there is no such rawlog", rawlog.string()));
   auto archive = mrpt::serialization::archiveFrom(input);
   Observations all;
   std::size_t complete = 0;  // bytes of whole objects
   bool broken = false;
   try {
-    for (;; ++all.objects, complete = input.count) all.add(archive.ReadObject());
+    for (;; ++all.objects, complete = input.count()) all.add(archive.ReadObject());
   } catch (const mrpt::serialization::CExceptionEOF&) {
-    broken = input.damaged || input.count != complete;
+    broken = input.damaged() || input.count() != complete;
   } catch (const std::exception&) {
     broken = true;
   }
