@@ -5,12 +5,19 @@
 #include <sys/resource.h>
 
 #include <chrono>
+#include <ctime>
 #include <utility>
 
 namespace cf {
 
 double wallSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double threadCpuSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 double processCpuSeconds() {
@@ -29,24 +36,29 @@ double peakRssMegabytes() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-StageTimes::Scope::Scope(StageTimes& times, std::string stage)
+StageTimes::Scope::Scope(StageTimes& times, std::string stage, CpuClock clock)
     : times_(times),
       stage_(std::move(stage)),
-      wall_start_(wallSeconds()),
-      cpu_start_(processCpuSeconds()) {}
+      clock_(clock),
+      cpu_start_(clock == CpuClock::kThread ? threadCpuSeconds() : processCpuSeconds()) {
+  const std::lock_guard<std::mutex> lock(times_.mutex_);
+  Stage& entry = times_.stages_[stage_];
+  if (entry.active++ == 0) entry.active_since = wallSeconds();
+}
 
 StageTimes::Scope::~Scope() {
-  const double wall = wallSeconds() - wall_start_;
-  const double cpu = processCpuSeconds() - cpu_start_;
+  const double cpu_end = clock_ == CpuClock::kThread ? threadCpuSeconds() : processCpuSeconds();
   const std::lock_guard<std::mutex> lock(times_.mutex_);
-  auto& sum = times_.seconds_[stage_];
-  sum.wall_s += wall;
-  sum.cpu_s += cpu;
+  Stage& entry = times_.stages_[stage_];
+  entry.sum.cpu_s += cpu_end - cpu_start_;
+  if (--entry.active == 0) entry.sum.wall_s += wallSeconds() - entry.active_since;
 }
 
 std::map<std::string, StageSeconds> StageTimes::all() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return seconds_;
+  std::map<std::string, StageSeconds> sums;
+  for (const auto& [name, stage] : stages_) sums[name] = stage.sum;
+  return sums;
 }
 
 }  // namespace cf

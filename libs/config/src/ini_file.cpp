@@ -69,12 +69,6 @@ class IniScanner {
 
 }  // namespace
 
-std::string trimmed(const std::string& text) {
-  const auto begin = std::find_if_not(text.begin(), text.end(), isBlank);
-  const auto end = std::find_if_not(text.rbegin(), text.rend(), isBlank).base();
-  return begin < end ? std::string(begin, end) : std::string();
-}
-
 std::string withoutComment(const std::string& text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool mark = text[i] == '#' || text[i] == ';' || text.compare(i, 2, "//") == 0;

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "cf/base/text.h"
+
 namespace cf {
 
 struct IniEntry {
@@ -25,8 +27,6 @@ std::vector<IniSection> readIniFile(const std::filesystem::path& file);
 
 /// `text` up to a comment: '#', ';' or "//" at its start or after a blank; outer blanks removed.
 std::string withoutComment(const std::string& text);
-
-std::string trimmed(const std::string& text);
 
 /// Equality as CConfigFile has it for sections and keys: ASCII case ignored.
 bool sameName(const std::string& a, const std::string& b);

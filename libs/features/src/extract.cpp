@@ -76,6 +76,7 @@ FeatureSet extractFeatures(const ImageFrame& frame, const FeatureOptions& option
   const double sx = static_cast<double>(frame.camera.width) / grey.cols;
   const double sy = static_cast<double>(frame.camera.height) / grey.rows;
   FeatureSet set;
+  set.pixel_size = sx;
   for (const int index : spread(keypoints, grey.size(), options.max_features)) {
     const cv::KeyPoint& k = keypoints[static_cast<std::size_t>(index)];
     set.pixel.emplace_back(static_cast<float>((k.pt.x + 0.5) * sx - 0.5),
@@ -94,6 +95,21 @@ FeatureSet extractFeatures(const ImageFrame& frame, const FeatureOptions& option
     set.colour.insert(set.colour.end(), {bgr[0], bgr[1], bgr[2]});
   }
   return set;
+}
+
+FeatureSet subset(const FeatureSet& features, const std::vector<int>& indices) {
+  FeatureSet out;
+  out.pixel_size = features.pixel_size;
+  for (const int index : indices) {
+    const auto i = static_cast<std::size_t>(index);
+    out.pixel.push_back(features.pixel[i]);
+    out.scale_px.push_back(features.scale_px[i]);
+    out.descriptor.insert(out.descriptor.end(), features.row(i),
+                          features.row(i) + FeatureSet::kDescriptorSize);
+    out.colour.insert(out.colour.end(), features.colour.begin() + 3 * index,
+                      features.colour.begin() + 3 * index + 3);
+  }
+  return out;
 }
 
 }  // namespace cf

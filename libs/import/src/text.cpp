@@ -8,13 +8,6 @@
 
 namespace cf {
 
-std::string trimmed(const std::string& text) {
-  constexpr const char* kSpace = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(kSpace);
-  if (begin == std::string::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
-}
-
 std::vector<std::string> wordsOf(const std::string& text) {
   std::vector<std::string> words;
   std::istringstream in(text);

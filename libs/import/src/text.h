@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "cf/base/text.h"
+
 namespace cf {
 
-std::string trimmed(const std::string& text);
 /// Words between white space.
 std::vector<std::string> wordsOf(const std::string& text);
 /// A finite number ("+1.5", "-3e2") that is the whole text; whatever the locale.

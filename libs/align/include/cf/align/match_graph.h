@@ -9,6 +9,7 @@
 
 #include "cf/align/candidates.h"
 #include "cf/types/keyframe.h"
+#include "cf/types/pose_table.h"
 
 namespace cf {
 

@@ -8,11 +8,15 @@
 
 namespace cf {
 
-/// Wall and CPU seconds of one stage, summed over its calls.
+/// Time of one stage.
 struct StageSeconds {
-  double wall_s = 0;
-  double cpu_s = 0;  ///< CPU seconds of the whole process while the stage ran
+  double wall_s = 0;  ///< during which the stage was at work on at least one thread
+  double cpu_s = 0;
 };
+
+/// Whose CPU seconds a scope counts: its own thread's, or, where it is all that runs and spreads
+/// over threads itself, the process's.
+enum class CpuClock { kThread, kProcess };
 
 /// Sums the time spent in each named stage; thread-safe.
 class StageTimes {
@@ -20,7 +24,7 @@ class StageTimes {
   /// Adds the time from construction to destruction to one stage.
   class Scope {
    public:
-    Scope(StageTimes& times, std::string stage);
+    Scope(StageTimes& times, std::string stage, CpuClock clock = CpuClock::kThread);
     ~Scope();
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
@@ -28,18 +32,24 @@ class StageTimes {
    private:
     StageTimes& times_;
     std::string stage_;
-    double wall_start_;
+    CpuClock clock_;
     double cpu_start_;
   };
 
   std::map<std::string, StageSeconds> all() const;
 
  private:
+  struct Stage {
+    StageSeconds sum;
+    int active = 0;
+    double active_since = 0;
+  };
   mutable std::mutex mutex_;
-  std::map<std::string, StageSeconds> seconds_;
+  std::map<std::string, Stage> stages_;
 };
 
 double wallSeconds();
+double threadCpuSeconds();
 double processCpuSeconds();
 double peakRssMegabytes();
 

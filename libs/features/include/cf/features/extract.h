@@ -12,8 +12,8 @@ namespace cf {
 
 struct FeatureOptions {
   double megapixels = 1.0;  ///< size at which features are sought
-  int max_features = 2000;  ///< per photo, spread over a grid
-  double contrast = 0.006;  ///< SIFT's contrast threshold
+  int max_features = 4000;  ///< per photo, spread over a grid
+  double contrast = 0.01;  ///< SIFT's contrast threshold
 
   void visit(OptionVisitor& v);
 };
@@ -21,5 +21,8 @@ struct FeatureOptions {
 /// SIFT (Lowe 2004) with RootSIFT descriptors (Arandjelovic 2012), spread evenly: the strongest of
 /// each grid cell first. `frame.image` must be decoded. Deterministic.
 FeatureSet extractFeatures(const ImageFrame& frame, const FeatureOptions& options);
+
+/// The features with the given indices, in that order.
+FeatureSet subset(const FeatureSet& features, const std::vector<int>& indices);
 
 }  // namespace cf

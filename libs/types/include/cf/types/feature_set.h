@@ -14,6 +14,7 @@ struct FeatureSet {
 
   std::vector<Eigen::Vector2f> pixel;    ///< distorted, in pixels of the original photo
   std::vector<float> scale_px;           ///< diameter of the blob [px of the original photo]
+  double pixel_size = 1;                 ///< pixels of the original photo per pixel searched
   std::vector<std::uint8_t> descriptor;  ///< N x 128, RootSIFT times 512, clamped
   std::vector<std::uint8_t> colour;      ///< N x 3, BGR at the feature
 

@@ -29,15 +29,17 @@ struct PoseTable {
   std::vector<CameraModel> cameras;  ///< by UAV
 };
 
+/// A feature that sees a point of the joint map.
+struct SparseObservation {
+  FrameId frame;
+  int feature = 0;
+};
+
 /// A triangulated feature of the joint map.
 struct SparsePoint {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< world
   std::uint8_t bgr[3] = {0, 0, 0};
-  struct Observation {
-    FrameId frame;
-    int feature = 0;
-  };
-  std::vector<Observation> observations;
+  std::vector<SparseObservation> observations;
 };
 
 /// A relative pose of two photos of different UAVs (or segments) observed from their features.

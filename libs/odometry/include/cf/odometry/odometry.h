@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cf/base/options.h"
+#include "cf/features/extract.h"
+#include "cf/types/image_frame.h"
+#include "cf/types/keyframe.h"
+
+namespace cf {
+
+struct OdometryOptions {
+  FeatureOptions features;
+  int match_window = 5;       ///< earlier photos that each photo is matched to
+  double match_ratio = 0.85;  ///< Lowe's ratio
+  double inlier_px = 3.0;     ///< reprojection threshold at the feature size [px]
+  int min_inliers = 20;       ///< below, a photo is not tracked
+  int adjustment_window = 7;  ///< photos in the local bundle adjustment
+  int keyframe_features = 2000;  ///< that a keyframe carries to the central node
+  int delay = 2;              ///< photos that must follow before a keyframe is final
+
+  void visit(OptionVisitor& v);
+};
+
+/// Monocular visual odometry of one UAV: every photo becomes a keyframe with a pose in the local
+/// frame of its segment. Photos are matched to the last few, posed by resection (or, where no
+/// segment can be continued, by two-view geometry, which opens a new one) and refined by a local
+/// bundle adjustment with inverse depths, equations (2) and (3). A keyframe leaves once `delay`
+/// later photos have come; from then on its pose is fixed: the local frame never jumps.
+class Odometry {
+ public:
+  explicit Odometry(const OdometryOptions& options);
+  ~Odometry();
+  Odometry(Odometry&&) noexcept;
+
+  /// `frame.image` must be decoded; frames come in time order. Returns the keyframes that became
+  /// final.
+  std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame);
+  std::vector<std::shared_ptr<const Keyframe>> flush();
+
+  /// The photo pushed last, as known now: segment, pose, matches, inliers. Its descriptors are not
+  /// filled in. For the live display and the online trajectory.
+  Keyframe newest() const;
+
+ private:
+  class Tracker;
+  std::unique_ptr<Tracker> tracker_;
+};
+
+}  // namespace cf

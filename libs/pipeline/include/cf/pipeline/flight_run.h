@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "cf/deliver/run_record.h"
+#include "cf/pipeline/run_options.h"
+
+namespace cf {
+
+class Config;
+
+/// Plays the rawlogs of a configuration through all stages and writes the output folder.
+/// The body of cf-run, so that tests can run it too.
+struct FlightRunRequest {
+  std::filesystem::path outdir;
+  bool overwrite = false;  ///< of an earlier result
+  std::string version;
+};
+
+/// Throws UsageError for a bad configuration, RunError for what cannot be read or written. Damaged
+/// photos are skipped, counted and reported. Returns what was delivered.
+RunRecord runFlight(Config& config, const FlightRunRequest& request);
+
+}  // namespace cf

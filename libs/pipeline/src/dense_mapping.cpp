@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dense_mapping.h"
+
+#include <tbb/parallel_pipeline.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "cf/base/error.h"
+#include "cf/base/progress.h"
+#include "cf/formats/ply.h"
+#include "cf/formats/tile_store.h"
+#include "cf/fuse/deliver_cloud.h"
+#include "cf/fuse/voxel_tile_map.h"
+#include "cf/geometry/depth_triangulation.h"
+#include "photo_decoder.h"
+
+namespace cf {
+namespace {
+
+/// Photos in memory while pairs are matched; partners are mostly neighbours.
+constexpr std::size_t kCachedPhotos = 16;
+constexpr std::size_t kPhotosInFlight = 4;
+
+std::vector<DenseView> denseViews(const Alignment& alignment) {
+  std::vector<DenseView> views;
+  for (const auto& [id, entry] : alignment.table.poses)
+    if (entry.median_depth_m > 0)
+      views.push_back({id, entry.T_world_cam, alignment.table.cameras[id.uav], entry.near_depth_m,
+                       entry.median_depth_m, entry.far_depth_m});
+  return views;
+}
+
+/// Ground size of a matched pixel, the median over the views.
+double matchedGroundSize(const std::vector<DenseView>& views, double megapixels) {
+  std::vector<double> sizes;
+  for (const DenseView& v : views) {
+    const double pixels = static_cast<double>(v.camera.width) * v.camera.height;
+    const double reduction = std::max(1.0, std::sqrt(pixels / (megapixels * 1e6)));
+    sizes.push_back(v.median_depth_m * reduction / v.camera.fx);
+  }
+  std::nth_element(sizes.begin(), sizes.begin() + static_cast<long>(sizes.size() / 2), sizes.end());
+  return sizes[sizes.size() / 2];
+}
+
+/// What one photo adds to the map.
+struct Contribution {
+  FrameId reference;
+  struct Frame {
+    FrameId partner;
+    std::vector<MapPoint> points;
+  };
+  std::vector<Frame> frames;
+  std::map<std::string, int> failures;
+};
+
+/// An even sample of points, for the rays that carve free space.
+std::vector<MapPoint> sample(const std::vector<Contribution::Frame>& frames, int wanted) {
+  std::size_t total = 0;
+  for (const auto& frame : frames) total += frame.points.size();
+  const std::size_t step =
+      std::max<std::size_t>(1, total / static_cast<std::size_t>(std::max(1, wanted)));
+  std::vector<MapPoint> out;
+  std::size_t i = 0;
+  for (const auto& frame : frames)
+    for (const MapPoint& p : frame.points)
+      if (i++ % step == 0) out.push_back(p);
+  return out;
+}
+
+class DenseMapper {
+ public:
+  DenseMapper(const std::vector<std::vector<ImageFrame>>& photos, const Alignment& alignment,
+              const RunOptions& options, StageTimes& times)
+      : photos_(photos),
+        alignment_(alignment),
+        options_(options),
+        times_(times),
+        views_(denseViews(alignment)),
+        // Half the area is common to a pair: twice the pixels keep its resolution.
+        cache_(2 * options.densify.megapixels, kCachedPhotos) {}
+
+  DenseSummary run(const std::filesystem::path& outdir) {
+    if (views_.empty()) return summary_;
+    FuseOptions fuse = options_.fuse;
+    if (fuse.voxel_m <= 0) fuse.voxel_m = matchedGroundSize(views_, options_.densify.megapixels);
+    summary_.voxel_m = fuse.voxel_m;
+    // Raw tiles live beside the result until the finished cloud has been made of them.
+    const std::filesystem::path work = outdir / "work";
+    DirectoryTileStore store = DirectoryTileStore::create(work, fuse.tile_m, fuse.voxel_m);
+    {
+      TileMap map(fuse, store);
+      matchAndFuse(map);
+      const StageTimes::Scope scope(times_, "fuse", CpuClock::kProcess);
+      map.flush();
+    }
+    deliver(store, fuse, outdir);
+    std::filesystem::remove_all(work);
+    return summary_;
+  }
+
+ private:
+  void matchAndFuse(TileMap& map) {
+    Progress progress("densify", views_.size());
+    std::size_t next = 0;
+    tbb::parallel_pipeline(
+        kPhotosInFlight,
+        tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
+                                            [&](tbb::flow_control& control) {
+                                              if (next == views_.size()) control.stop();
+                                              return next++;
+                                            }) &
+            tbb::make_filter<std::size_t, std::shared_ptr<Contribution>>(
+                tbb::filter_mode::parallel,
+                [&](std::size_t i) {
+                  return std::make_shared<Contribution>(contribute(views_[i]));
+                }) &
+            tbb::make_filter<std::shared_ptr<Contribution>, void>(
+                tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Contribution>& c) {
+                  fuse(*c, map);
+                  progress.advance();
+                }));
+  }
+
+  cv::Mat image(FrameId id) {
+    const StageTimes::Scope scope(times_, "decode");
+    return cache_.get(photos_[id.uav][id.index]);
+  }
+
+  const DenseView& view(FrameId id) const {
+    return *std::lower_bound(views_.begin(), views_.end(), id,
+                             [](const DenseView& v, FrameId wanted) { return v.id < wanted; });
+  }
+
+  Contribution contribute(const DenseView& reference) {
+    Contribution out;
+    out.reference = reference.id;
+    std::vector<FrameId> partners;
+    {
+      const StageTimes::Scope scope(times_, "densify");
+      std::vector<DenseView> others;
+      const int component = alignment_.table.poses.at(reference.id).component;
+      for (const DenseView& v : views_)
+        if (v.id != reference.id && alignment_.table.poses.at(v.id).component == component)
+          others.push_back(v);
+      partners = choosePartners(reference, others, options_.densify);
+    }
+    if (partners.empty()) ++out.failures["no_partner"];
+    for (const FrameId id : partners) {
+      const cv::Mat reference_image = image(reference.id), partner_image = image(id);
+      if (reference_image.empty() || partner_image.empty()) continue;
+      const DenseView& partner = view(id);
+      const StageTimes::Scope scope(times_, "densify");
+      const auto depth =
+          matchPair(reference, reference_image, partner, partner_image, options_.densify);
+      if (!depth) {
+        ++out.failures[depth.failure().code];
+        continue;
+      }
+      DepthTriangulationOptions triangulation;
+      triangulation.min_confidence = options_.densify.min_confidence;
+      out.frames.push_back(
+          {id, triangulateDepth(*depth, {reference.T_world_cam, reference.camera},
+                                {partner.T_world_cam, partner.camera}, triangulation)});
+    }
+    return out;
+  }
+
+  void fuse(const Contribution& contribution, TileMap& map) {
+    const StageTimes::Scope scope(times_, "fuse");
+    for (const auto& frame : contribution.frames) {
+      map.insert(contribution.reference, frame.points);
+      ++summary_.depth_frames;
+    }
+    for (const auto& [code, count] : contribution.failures) summary_.failures[code] += count;
+    if (!contribution.frames.empty())
+      rays_.emplace_back(contribution.reference,
+                         sample(contribution.frames, options_.octomap.rays_per_keyframe));
+    summary_.finished_s[contribution.reference] = wallSeconds();
+  }
+
+  void deliver(DirectoryTileStore& store, const FuseOptions& fuse,
+               const std::filesystem::path& outdir) {
+    const StageTimes::Scope scope(times_, "deliver_cloud", CpuClock::kProcess);
+    OctoMapBuilder octomap(options_.octomap.resolved(fuse.voxel_m));
+    DirectoryTileStore tiles =
+        DirectoryTileStore::create(outdir / "cloud", fuse.tile_m, fuse.voxel_m);
+    PlyWriter ply(outdir / "cloud" / "cloud.ply");
+    const Delivery delivery = deliverCloud(store, fuse, [&](const Tile& tile) {
+      for (const TilePoint& p : tile.points) {
+        const Eigen::Vector3d world = tile.offset_m + p.position_m.cast<double>();
+        ply.add(world.cast<float>(), {p.bgr[2], p.bgr[1], p.bgr[0]});
+      }
+      octomap.addSurface(tile);
+      tiles.save(tile);
+    });
+    tiles.flush();
+    ply.close();
+    summary_.points = delivery.points;
+    for (const auto& [id, points] : rays_)
+      octomap.carve(alignment_.table.poses.at(id).T_world_cam.translation(), points);
+    octomap.write(outdir / "octomap");
+  }
+
+  const std::vector<std::vector<ImageFrame>>& photos_;
+  const Alignment& alignment_;
+  const RunOptions& options_;
+  StageTimes& times_;
+  const std::vector<DenseView> views_;
+  PhotoCache cache_;
+  std::vector<std::pair<FrameId, std::vector<MapPoint>>> rays_;
+  DenseSummary summary_;
+};
+
+}  // namespace
+
+DenseSummary mapDensely(const std::vector<std::vector<ImageFrame>>& photos,
+                        const Alignment& alignment, const RunOptions& options,
+                        const std::filesystem::path& outdir, StageTimes& times) {
+  return DenseMapper(photos, alignment, options, times).run(outdir);
+}
+
+}  // namespace cf

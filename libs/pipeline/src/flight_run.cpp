@@ -1,0 +1,263 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/pipeline/flight_run.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/core/utility.hpp>
+#include <optional>
+#include <thread>
+
+#include "cf/base/error.h"
+#include "cf/base/log.h"
+#include "cf/base/progress.h"
+#include "cf/config/config.h"
+#include "cf/deliver/deliver.h"
+#include "cf/formats/atomic_file.h"
+#include "cf/geodesy/local_frame.h"
+#include "cf/import/camera_ini.h"
+#include "cf/rawlog/rawlog_reader.h"
+#include "cf/view/render.h"
+#include "dense_mapping.h"
+#include "uav_chain.h"
+
+namespace cf {
+namespace fs = std::filesystem;
+namespace {
+
+/// The output folder exists, is writable, and holds no result that nobody asked to replace.
+void prepareOutput(const FlightRunRequest& request) {
+  const fs::path& outdir = request.outdir;
+  std::error_code error;
+  if (fs::exists(outdir / "report.json", error) && !request.overwrite)
+    throw UsageError(outdir.string() + " holds an earlier result; give -w to overwrite it");
+  fs::create_directories(outdir, error);
+  if (error) throw RunError(outdir.string() + " cannot be made: " + error.message());
+  for (const char* earlier : {"images", "trajectories", "cameras", "scale", "graphs", "cloud",
+                              "snapshots", "report.json", "report.html"})
+    if (request.overwrite) fs::remove_all(outdir / earlier, error);
+}
+
+UavRecording readUav(const Config& config, const UavOptions& options, std::uint16_t uav) {
+  UavRecording recording =
+      readRecording(config.resolve(options.rawlog), {options.image_label, options.gnss_label});
+  if (!options.sigma.empty()) {
+    const auto sigma = parseNumbers(options.sigma, 2, "[uav." + options.name + "] sigma");
+    for (GnssFix& fix : recording.fixes) fix.sigma_enu_m = {sigma[0], sigma[0], sigma[1]};
+  }
+  std::optional<CameraModel> camera;
+  if (!options.camera.empty()) camera = readCameraIni(config.resolve(options.camera));
+  for (ImageFrame& photo : recording.photos) {
+    photo.id.uav = uav;
+    if (camera) photo.camera = camera->scaled(photo.camera.width, photo.camera.height);
+  }
+  return recording;
+}
+
+/// Everything between the configuration and the record of the run.
+class FlightRun {
+ public:
+  FlightRun(const Config& config, const RunOptions& options, const FlightRunRequest& request)
+      : options_(options), request_(request) {
+    record_.version = request.version;
+    for (std::size_t u = 0; u < options.uavs.size(); ++u) {
+      const UavOptions& uav = options.uavs[u];
+      recordings_.push_back(readUav(config, uav, static_cast<std::uint16_t>(u)));
+      for (const std::string& warning : recordings_.back().warnings)
+        warn(uav.name + ": " + warning);
+      if (recordings_.back().photos.empty()) warn(uav.name + ": the rawlog holds no photo");
+      if (uav.name == options.cluster.center) center_ = static_cast<std::uint16_t>(u);
+      photos_ += recordings_.back().photos.size();
+    }
+    if (photos_ == 0) throw RunError("no rawlog of the configuration holds a photo");
+    placeWorld();
+  }
+
+  RunRecord run() {
+    const double started = wallSeconds();
+    std::vector<ChainResult> chains = play();
+    const Alignment alignment = align(chains);
+    const DenseSummary dense = mapDensely(photos(), alignment, options_, request_.outdir, times_);
+    collect(std::move(chains), alignment, dense);
+    record_.wall_s = wallSeconds() - started;
+    deliverAll(dense);
+    return std::move(record_);
+  }
+
+ private:
+  void warn(const std::string& line) {
+    logWarning(line);
+    record_.warnings.push_back(line);
+  }
+
+  /// The world's origin: as configured, or the first fix of the central UAV, or of any.
+  void placeWorld() {
+    const GnssFix* first = nullptr;
+    const auto take = [&](std::size_t u) {
+      for (const GnssFix& fix : recordings_[u].fixes)
+        if (first == nullptr || fix.time < first->time) first = &fix;
+    };
+    take(center_);
+    for (std::size_t u = 0; first == nullptr && u < recordings_.size(); ++u) take(u);
+    record_.world.center = options_.uavs[center_].name;
+    if (first == nullptr) {
+      record_.world.relative = true;
+      warn(
+          "no photo has a GNSS position: the map is relative, its place, heading and scale "
+          "arbitrary");
+      return;
+    }
+    Geodetic origin{first->latitude_deg, first->longitude_deg, first->height_m};
+    if (!options_.world.origin.empty()) {
+      const auto p = parseNumbers(options_.world.origin, 3, "[world] origin");
+      origin = {p[0], p[1], p[2]};
+    }
+    world_.emplace(origin);
+    record_.world.latitude_deg = origin.latitude_deg;
+    record_.world.longitude_deg = origin.longitude_deg;
+    record_.world.height_m = origin.height_m;
+    record_.world.h_datum = first->datum;
+    record_.world.utm = world_->utmZone();
+  }
+
+  /// UAV chains side by side; each is independent of all others.
+  std::vector<ChainResult> play() {
+    TimeNs first_time = std::numeric_limits<TimeNs>::max();
+    for (const UavRecording& r : recordings_)
+      if (!r.photos.empty()) first_time = std::min(first_time, r.photos.front().time);
+    std::vector<ChainResult> chains(recordings_.size());
+    Progress progress("localise", photos_);
+    tbb::parallel_for(std::size_t{0}, recordings_.size(), [&](std::size_t u) {
+      chains[u] = playUav(recordings_[u], options_.uavs[u].name, static_cast<std::uint16_t>(u),
+                          world_, options_, first_time, times_, progress);
+    });
+    return chains;
+  }
+
+  Alignment align(const std::vector<ChainResult>& chains) {
+    const StageTimes::Scope scope(times_, "align", CpuClock::kProcess);
+    Aligner aligner(options_.align, center_);
+    std::vector<GeoSegment> segments;
+    std::vector<GnssQuality> quality;
+    std::vector<CameraModel> cameras;
+    for (std::size_t u = 0; u < chains.size(); ++u) {
+      for (const GeoKeyframe& keyframe : chains[u].keyframes) {
+        aligner.push(keyframe);
+        record_.bytes_over_seam += encodedSize(keyframe);
+      }
+      segments.insert(segments.end(), chains[u].segments.begin(), chains[u].segments.end());
+      quality.push_back(chains[u].record.gnss);
+      const auto& all = recordings_[u].photos;
+      cameras.push_back(all.empty() ? CameraModel{} : all.front().camera);
+    }
+    return aligner.solve(segments, quality, cameras);
+  }
+
+  /// What a keyframe needs on the wire: descriptors, pixels, inverse depths and scales.
+  static std::uint64_t encodedSize(const GeoKeyframe& keyframe) {
+    constexpr std::uint64_t kPerFeature = FeatureSet::kDescriptorSize + 2 * 4 + 4 + 4 + 3;
+    return keyframe.keyframe->features->size() * kPerFeature + 512;
+  }
+
+  std::vector<std::vector<ImageFrame>> photos() const {
+    std::vector<std::vector<ImageFrame>> all;
+    for (const UavRecording& r : recordings_) all.push_back(r.photos);
+    return all;
+  }
+
+  void collect(std::vector<ChainResult> chains, const Alignment& alignment,
+               const DenseSummary& dense) {
+    record_.components = alignment.components;
+    record_.relative_poses = alignment.relative_poses;
+    record_.sparse_points = alignment.points;
+    for (std::size_t u = 0; u < chains.size(); ++u) {
+      UavRecord& uav = chains[u].record;
+      for (std::uint32_t i = 0; i < uav.photos.size(); ++i)
+        settle(uav, {static_cast<std::uint16_t>(u), i}, alignment);
+      for (const auto& [id, finished] : dense.finished_s)
+        if (id.uav == u) record_.latencies_s.push_back(finished - chains[u].arrival_s[id.index]);
+      if (!uav.photos.empty()) uav.camera_before = recordings_[u].photos.front().camera;
+      uav.camera_after = alignment.table.cameras[u];
+      const auto bias = alignment.gnss_bias_m.find(static_cast<std::uint16_t>(u));
+      if (bias != alignment.gnss_bias_m.end()) uav.gnss.bias_m = bias->second;
+      if (world_ && uav.gnss.fixes > 0 && !uav.gnss.trusted)
+        warn(
+            fmt::format("{}: its GNSS is not trusted: residuals of {:.1f} m horizontally and "
+                        "{:.1f} m vertically against the photos",
+                        uav.name, uav.gnss.sigma_m.head<2>().norm(), uav.gnss.sigma_m.z()));
+      record_.uavs.push_back(std::move(uav));
+    }
+    if (alignment.components > 1)
+      warn(fmt::format("the photos form {} parts that no match joins: only GNSS ties them together",
+                       alignment.components));
+    for (const auto& [code, count] : dense.failures)
+      logInfo(fmt::format("densify: {} pairs without depth: {}", count, code));
+  }
+
+  void settle(UavRecord& uav, FrameId id, const Alignment& alignment) const {
+    PhotoRecord& photo = uav.photos[id.index];
+    if (photo.status == PhotoStatus::kDamaged) return;
+    const auto entry = alignment.table.poses.find(id);
+    if (entry != alignment.table.poses.end()) {
+      photo.status = PhotoStatus::kPosed;
+      uav.final_trajectory.push_back({id.index, entry->second.T_world_cam});
+      return;
+    }
+    const auto alone = std::count_if(uav.photos.begin(), uav.photos.end(),
+                                     [&](const auto& p) { return p.segment == photo.segment; });
+    photo.status = alone > 1 ? PhotoStatus::kUnjoined : PhotoStatus::kUnposed;
+    photo.reason =
+        alone > 1 ? "its part of the flight is not tied to the map by matches or GNSS"
+                  : fmt::format("{} matches to other photos, too few that agree", photo.matches);
+  }
+
+  void deliverAll(const DenseSummary& dense) {
+    record_.stages = times_.all();
+    record_.peak_rss_mb = peakRssMegabytes();
+    deliver(record_, request_.outdir);
+    if (!options_.view.snapshots) return;
+    if (dense.points == 0) {
+      warn("no snapshots: the dense cloud is empty");
+    } else {
+      const StageTimes::Scope scope(times_, "view", CpuClock::kProcess);
+      renderRun(request_.outdir, parseImageSize(options_.view.size));
+    }
+    // Once more, with the pictures and their cost.
+    record_.stages = times_.all();
+    record_.peak_rss_mb = peakRssMegabytes();
+    writeReportJson(record_, request_.outdir);
+    writeReportHtml(record_, request_.outdir);
+  }
+
+  const RunOptions& options_;
+  const FlightRunRequest& request_;
+  std::vector<UavRecording> recordings_;
+  std::uint16_t center_ = 0;
+  std::size_t photos_ = 0;
+  std::optional<LocalFrame> world_;
+  StageTimes times_;
+  RunRecord record_;
+};
+
+}  // namespace
+
+RunRecord runFlight(Config& config, const FlightRunRequest& request) {
+  const RunOptions options = loadRunOptions(config);
+  const int threads = options.system.threads > 0
+                          ? options.system.threads
+                          : static_cast<int>(std::thread::hardware_concurrency());
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(std::max(1, threads)));
+  // Photos and pairs are worked on side by side; OpenCV's own threads would only get in the way.
+  cv::setNumThreads(options.uavs.size() > 1 ? 1 : threads);
+  FlightRun run(config, options, request);
+  prepareOutput(request);
+  writeFileAtomically(request.outdir / "config.effective.ini", config.effectiveText());
+  return run.run();
+}
+
+}  // namespace cf

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "photo_decoder.h"
+
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+namespace cf {
+namespace {
+
+std::size_t lastMarker(const std::vector<std::uint8_t>& bytes, std::uint8_t marker) {
+  for (std::size_t i = bytes.size() - 1; i > 1; --i)
+    if (bytes[i] == marker && bytes[i - 1] == 0xFF) return i;
+  return 0;
+}
+
+/// OpenCV decodes a JPEG that breaks off to grey without a word: there must be an end of image
+/// after the last start of scan. (An embedded preview has both, further up.)
+bool isWholeJpeg(const std::vector<std::uint8_t>& bytes) {
+  if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8) return true;  // not a JPEG
+  return lastMarker(bytes, 0xD9) > lastMarker(bytes, 0xDA);
+}
+
+}  // namespace
+
+Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels) {
+  std::ifstream in(photo.file, std::ios::binary);
+  if (!in) return Failure{"damaged", "file cannot be opened"};
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), {}};
+  if (bytes.empty()) return Failure{"damaged", "file is empty"};
+  if (!isWholeJpeg(bytes)) return Failure{"damaged", "JPEG breaks off"};
+  const double full = 1e-6 * photo.camera.width * photo.camera.height;
+  const int reduction = full / 16 >= megapixels  ? cv::IMREAD_REDUCED_COLOR_4
+                        : full / 4 >= megapixels ? cv::IMREAD_REDUCED_COLOR_2
+                                                 : cv::IMREAD_COLOR;
+  cv::Mat image;
+  try {
+    image = cv::imdecode(bytes, reduction | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.empty()) return Failure{"damaged", "file cannot be decoded"};
+  return image;
+}
+
+cv::Mat PhotoCache::get(const ImageFrame& photo) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  const auto [found, is_new] = entries_.try_emplace(photo.id);
+  if (!is_new) {
+    uses_.splice(uses_.begin(), uses_, found->second.use);
+    const auto decoded = found->second.decoded;
+    ready_.wait(lock, [&] { return decoded->ready; });
+    return decoded->image;
+  }
+  uses_.push_front(photo.id);
+  const auto decoded = std::make_shared<Decoded>();
+  found->second = {decoded, uses_.begin()};
+  lock.unlock();
+  auto image = decodePhoto(photo, megapixels_);
+  lock.lock();
+  if (image) decoded->image = image.value();
+  decoded->ready = true;
+  ready_.notify_all();
+  while (entries_.size() > capacity_) {
+    entries_.erase(uses_.back());
+    uses_.pop_back();
+  }
+  return decoded->image;
+}
+
+}  // namespace cf
