@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kGrid = 12;              // cells of the reference photo along each side
 constexpr double kSeenAgain = 0.35;    // worth of a cell seen already by an earlier partner
-constexpr double kBestBaseline = 0.2;  // baseline over depth: as good as it gets from here ...
+constexpr double kBestBaseline = 0.3;  // baseline over depth: as good as it gets from here ...
 constexpr double kLongBaseline = 0.6;  // ... to here
 constexpr double kMaxAlongAxis = 0.6;  // of the baseline's direction, along the optical axes
 constexpr double kMaxDepthRatio = 2;   // between the two photos' scene distances: the scales differ

@@ -41,7 +41,7 @@ struct DenseView {
 /// Up to options.partners of `others`, best first. What counts is how much of the reference photo
 /// a partner adds: a share that no earlier partner sees counts in full, one seen already counts
 /// less, least from the same direction; times how well its baseline over depth measures (best
-/// between 0.2 and 0.6). Empty when none fits. Photos without depth are never chosen.
+/// between 0.3 and 0.6). Empty when none fits. Photos without depth are never chosen.
 std::vector<FrameId> choosePartners(const DenseView& reference,
                                     const std::vector<DenseView>& others,
                                     const DensifyOptions& options);
