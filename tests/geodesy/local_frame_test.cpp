@@ -12,9 +12,9 @@
 namespace cf {
 namespace {
 
-constexpr double kA = 6378137.0;               // WGS84 semi-major axis [m]
-constexpr double kF = 1 / 298.257223563;       // flattening
-constexpr double kB = kA * (1 - kF);           // semi-minor axis
+constexpr double kA = 6378137.0;          // WGS84 semi-major axis [m]
+constexpr double kF = 1 / 298.257223563;  // flattening
+constexpr double kB = kA * (1 - kF);      // semi-minor axis
 
 TEST(LocalFrame, OriginIsZero) {
   const LocalFrame frame(46.84, -91.99, 198.3);
@@ -31,9 +31,7 @@ TEST(LocalFrame, EcefOnTheAxesIsTheEllipsoidsAxes) {
 TEST(LocalFrame, AxesAreEastNorthUp) {
   const LocalFrame frame(0, 0, 0);  // east = +Y, north = +Z, up = +X of ECEF
   Eigen::Matrix3d expected;
-  expected << 0, 0, 1,
-              1, 0, 0,
-              0, 1, 0;
+  expected << 0, 0, 1, 1, 0, 0, 0, 1, 0;
   EXPECT_LT((frame.T_ecef_enu().linear() - expected).norm(), 1e-15);
 
   const LocalFrame here(28.04, -82.7, -6);

@@ -16,9 +16,10 @@ namespace cf {
 LocalFrame::LocalFrame(const Geodetic& origin) : origin_(origin) {
   if (!std::isfinite(origin.latitude_deg) || !std::isfinite(origin.longitude_deg) ||
       !std::isfinite(origin.height_m) || std::abs(origin.latitude_deg) > 90)
-    throw RunError(fmt::format("{}, {}, {} cannot be the origin of a map: latitude, longitude in "
-                               "degrees and height in metres are needed",
-                               origin.latitude_deg, origin.longitude_deg, origin.height_m));
+    throw RunError(
+        fmt::format("{}, {}, {} cannot be the origin of a map: latitude, longitude in "
+                    "degrees and height in metres are needed",
+                    origin.latitude_deg, origin.longitude_deg, origin.height_m));
   Eigen::Vector3d p;
   std::vector<double> rotation(9);
   GeographicLib::Geocentric::WGS84().Forward(origin.latitude_deg, origin.longitude_deg,

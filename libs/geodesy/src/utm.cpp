@@ -13,8 +13,8 @@ std::string UtmZone::text() const { return fmt::format("{}{}", zone, north ? 'N'
 
 UtmZone utmZoneOf(double latitude_deg, double longitude_deg) {
   // UTM also beyond 84N and 80S, where the standard grid would be polar stereographic.
-  const int zone = GeographicLib::UTMUPS::StandardZone(latitude_deg, longitude_deg,
-                                                       GeographicLib::UTMUPS::UTM);
+  const int zone =
+      GeographicLib::UTMUPS::StandardZone(latitude_deg, longitude_deg, GeographicLib::UTMUPS::UTM);
   return {zone, latitude_deg >= 0};
 }
 
