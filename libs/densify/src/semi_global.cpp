@@ -33,8 +33,8 @@ using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes)));
 constexpr Cost kFar = 0x3FFF;     // path cost of a disparity that was not searched
 constexpr int kOutsideCost = 16;  // of a match beyond the partner image: as for unlike pixels
 constexpr int kCensusX = 4, kCensusY = 3;
-constexpr std::size_t kMaxCells = 40'000'000;  // of the cost volume held at once: 120 MB
-constexpr int kBandOverlap = 32;               // rows
+constexpr std::size_t kMaxCells = 10'000'000;  // of the cost volume held at once: 30 MB
+constexpr int kBandOverlap = 24;               // rows
 constexpr int kPaths = 4;  // in one sweep: along the row and from three of the last row
 
 CF_CLONES void censusRow(const uchar* const* rows, int width, std::uint32_t* census) {
