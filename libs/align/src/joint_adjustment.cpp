@@ -184,7 +184,9 @@ class Adjustment {
       blocks.push_back({p.position_m.x(), p.position_m.y(), p.position_m.z()});
     ceres::Problem ceres_problem;
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    ceres::LossFunction* loss = new ceres::CauchyLoss(loss_sigmas);
+    ceres::LossFunction* loss =
+        new ceres::ScaledLoss(new ceres::CauchyLoss(loss_sigmas),
+                              1 / options_.correlated_observations, ceres::TAKE_OWNERSHIP);
     for (std::size_t i = 0; i < points.size(); ++i) {
       for (const auto& o : points[i].observations) {
         const Keyframe& photo = graph_.photo(o.frame);
@@ -383,6 +385,8 @@ void JointOptions::visit(OptionVisitor& v) {
   v.integer("points_per_photo", points_per_photo, {36, 5000}, "points adjusted per photo");
   v.number("feature_sigma_px", feature_sigma_px, {0.1, 10},
            "of a feature, at the feature size [px]");
+  v.number("correlated_observations", correlated_observations, {1, 1000},
+           "features of a photo that share one error (rolling shutter, lens, moving leaves)");
   v.number("focal_deviation", focal_deviation, {1e-6, 0.2},
            "relative, between UAVs with the same camera model");
   v.number("bias_sigma_horizontal_m", bias_sigma_horizontal_m, {0.001, 1000},

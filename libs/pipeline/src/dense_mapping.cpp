@@ -103,6 +103,7 @@ class DenseMapper {
 
  private:
   void matchAndFuse(TileMap& map) {
+    choosePairs();
     Progress progress("densify", views_.size());
     std::size_t next = 0;
     tbb::parallel_pipeline(
@@ -134,21 +135,30 @@ class DenseMapper {
                              [](const DenseView& v, FrameId wanted) { return v.id < wanted; });
   }
 
-  Contribution contribute(const DenseView& reference) {
-    Contribution out;
-    out.reference = reference.id;
-    std::vector<FrameId> partners;
-    {
-      const StageTimes::Scope scope(times_, "densify");
+  /// Partners of every photo, in its component; a pair that two photos choose is matched once, from
+  /// the first of them.
+  void choosePairs() {
+    const StageTimes::Scope scope(times_, "densify");
+    for (const DenseView& reference : views_) {
       std::vector<DenseView> others;
       const int component = alignment_.table.poses.at(reference.id).component;
       for (const DenseView& v : views_)
         if (v.id != reference.id && alignment_.table.poses.at(v.id).component == component)
           others.push_back(v);
-      partners = choosePartners(reference, others, options_.densify);
+      std::vector<FrameId>& chosen = partners_[reference.id];
+      for (const FrameId id : choosePartners(reference, others, options_.densify)) {
+        const auto earlier = partners_.find(id);
+        if (earlier == partners_.end() ||
+            std::count(earlier->second.begin(), earlier->second.end(), reference.id) == 0)
+          chosen.push_back(id);
+      }
     }
-    if (partners.empty()) ++out.failures["no_partner"];
-    for (const FrameId id : partners) {
+  }
+
+  Contribution contribute(const DenseView& reference) {
+    Contribution out;
+    out.reference = reference.id;
+    for (const FrameId id : partners_.at(reference.id)) {
       const cv::Mat reference_image = image(reference.id), partner_image = image(id);
       if (reference_image.empty() || partner_image.empty()) continue;
       const DenseView& partner = view(id);
@@ -210,6 +220,7 @@ class DenseMapper {
   StageTimes& times_;
   const std::vector<DenseView> views_;
   PhotoCache cache_;
+  std::map<FrameId, std::vector<FrameId>> partners_;
   std::vector<std::pair<FrameId, std::vector<MapPoint>>> rays_;
   DenseSummary summary_;
 };

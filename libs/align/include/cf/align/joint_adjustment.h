@@ -13,8 +13,11 @@
 namespace cf {
 
 struct JointOptions {
-  int points_per_photo = 300;          ///< aimed at in the adjustment, spread over the photo
-  double feature_sigma_px = 0.7;       ///< of a feature's place, at the feature size
+  int points_per_photo = 300;     ///< aimed at in the adjustment, spread over the photo
+  double feature_sigma_px = 0.7;  ///< of a feature's place, at the feature size
+  /// Features of a photo that share one error (rolling shutter, lens, moving leaves): so many of
+  /// them count as one observation against the priors and GNSS.
+  double correlated_observations = 20;
   double focal_deviation = 0.005;      ///< relative; between UAVs with the same camera model
   double bias_sigma_horizontal_m = 3;  ///< prior of a UAV's GNSS bias
   double bias_sigma_vertical_m = 10;
