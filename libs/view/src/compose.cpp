@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 namespace cf {
 namespace {
@@ -15,53 +16,113 @@ constexpr double kRimLight = 0.45;
 
 }  // namespace
 
-void closeGaps(Layer& layer, int rounds) {
+namespace {
+
+/// An empty pixel and what its neighbours would make of it.
+struct Gap {
+  cv::Point at;
+  float depth_m = 0;
+  cv::Vec3b colour;
+};
+
+/// The pixel from its neighbours, if enough of them are there.
+bool fills(const Layer& layer, cv::Point at, Gap& gap) {
   constexpr int kSurrounded = 5;  // of 8 neighbours
-  for (int round = 0; round < rounds; ++round) {
-    const Layer before{layer.colour.clone(), layer.depth.clone()};
-    for (int y = 1; y + 1 < layer.depth.rows; ++y)
-      for (int x = 1; x + 1 < layer.depth.cols; ++x) {
-        if (before.depth.at<float>(y, x) > 0) continue;
-        int count = 0;
-        float depth = 0;
-        cv::Vec3i sum(0, 0, 0);
-        for (int dy = -1; dy <= 1; ++dy)
-          for (int dx = -1; dx <= 1; ++dx) {
-            const float d = before.depth.at<float>(y + dy, x + dx);
-            if (d <= 0) continue;
-            ++count;
-            depth += d;
-            sum += cv::Vec3i(before.colour.at<cv::Vec3b>(y + dy, x + dx));
-          }
-        if (count < kSurrounded) continue;
-        layer.depth.at<float>(y, x) = depth / static_cast<float>(count);
-        layer.colour.at<cv::Vec3b>(y, x) = cv::Vec3b(sum / count);
-      }
+  int count = 0;
+  float depth = 0;
+  cv::Vec3i sum(0, 0, 0);
+  for (int dy = -1; dy <= 1; ++dy) {
+    const auto* depths = layer.depth.ptr<float>(at.y + dy) + at.x;
+    const auto* colours = layer.colour.ptr<cv::Vec3b>(at.y + dy) + at.x;
+    for (int dx = -1; dx <= 1; ++dx) {
+      if (depths[dx] <= 0) continue;
+      ++count;
+      depth += depths[dx];
+      sum += cv::Vec3i(colours[dx]);
+    }
+  }
+  if (count < kSurrounded) return false;
+  gap = {at, depth / static_cast<float>(count), cv::Vec3b(sum / count)};
+  return true;
+}
+
+}  // namespace
+
+void closeGaps(Layer& layer, int rounds) {
+  std::vector<Gap> gaps;
+  Gap gap;
+  for (int y = 1; y + 1 < layer.depth.rows; ++y) {
+    const auto* depth = layer.depth.ptr<float>(y);
+    const auto* above = layer.depth.ptr<float>(y - 1);
+    const auto* below = layer.depth.ptr<float>(y + 1);
+    for (int x = 1; x + 1 < layer.depth.cols; ++x) {
+      if (depth[x] > 0) continue;
+      // Five of eight neighbours: one of these four at least.
+      if (depth[x - 1] <= 0 && depth[x + 1] <= 0 && above[x] <= 0 && below[x] <= 0) continue;
+      if (fills(layer, {x, y}, gap)) gaps.push_back(gap);
+    }
+  }
+  for (int round = 0; round < rounds && !gaps.empty(); ++round) {
+    for (const Gap& g : gaps) {
+      layer.depth.at<float>(g.at) = g.depth_m;
+      layer.colour.at<cv::Vec3b>(g.at) = g.colour;
+    }
+    // Only beside these can there be more.
+    std::vector<cv::Point> beside;
+    for (const Gap& g : gaps)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const cv::Point p(g.at.x + dx, g.at.y + dy);
+          if (p.x > 0 && p.y > 0 && p.x + 1 < layer.depth.cols && p.y + 1 < layer.depth.rows &&
+              layer.depth.at<float>(p) <= 0)
+            beside.push_back(p);
+        }
+    const auto rowMajor = [](cv::Point a, cv::Point b) {
+      return a.y != b.y ? a.y < b.y : a.x < b.x;
+    };
+    std::sort(beside.begin(), beside.end(), rowMajor);
+    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    gaps.clear();
+    for (const cv::Point p : beside)
+      if (fills(layer, p, gap)) gaps.push_back(gap);
   }
 }
 
-void shadeRelief(Layer& layer, const ViewCamera& camera, double reach_px, double ignore_px) {
+void shadeRelief(Layer& layer, const ViewCamera& camera, double reach_px, double ignore_px,
+                 int step) {
   // Mean depth of the surroundings, of pixels that have one.
-  cv::Mat has_depth;
-  cv::Mat(layer.depth > 0).convertTo(has_depth, CV_32F, 1 / 255.0);
+  cv::Mat depth, has_depth;
+  cv::resize(layer.depth, depth, {layer.depth.cols / step, layer.depth.rows / step}, 0, 0,
+             cv::INTER_NEAREST);
+  cv::Mat(depth > 0).convertTo(has_depth, CV_32F, 1 / 255.0);
   cv::Mat around, weight;
-  const int width = 2 * static_cast<int>(std::lround(reach_px)) + 1;
-  cv::blur(layer.depth, around, {width, width}, {-1, -1}, cv::BORDER_CONSTANT);
+  const int width = 2 * static_cast<int>(std::lround(reach_px / step)) + 1;
+  cv::blur(depth, around, {width, width}, {-1, -1}, cv::BORDER_CONSTANT);
   cv::blur(around, around, {width, width}, {-1, -1}, cv::BORDER_CONSTANT);
   cv::blur(has_depth, weight, {width, width}, {-1, -1}, cv::BORDER_CONSTANT);
   cv::blur(weight, weight, {width, width}, {-1, -1}, cv::BORDER_CONSTANT);
-  for (int y = 0; y < layer.depth.rows; ++y)
-    for (int x = 0; x < layer.depth.cols; ++x) {
-      const double d = static_cast<double>(layer.depth.at<float>(y, x));
-      const double w = static_cast<double>(weight.at<float>(y, x));
+  for (int y = 0; y < depth.rows; ++y) {
+    const auto* here = depth.ptr<float>(y);
+    const auto* mean = around.ptr<float>(y);
+    const auto* known = weight.ptr<float>(y);
+    for (int x = 0; x < depth.cols; ++x) {
+      const double d = static_cast<double>(here[x]), w = static_cast<double>(known[x]);
       if (d <= 0 || w <= 0) continue;
-      const double behind_m = d - static_cast<double>(around.at<float>(y, x)) / w;
+      const double behind_m = d - static_cast<double>(mean[x]) / w;
       const double behind_px = behind_m / camera.metresPerPixel(d) - ignore_px;
       if (behind_px <= 0) continue;
       const double light = 1 - kDarkest * (1 - std::exp(-behind_px / reach_px));
-      auto& colour = layer.colour.at<cv::Vec3b>(y, x);
-      for (int k = 0; k < 3; ++k) colour[k] = cv::saturate_cast<std::uint8_t>(light * colour[k]);
+      for (int j = 0; j < step; ++j) {
+        auto* colours = layer.colour.ptr<cv::Vec3b>(step * y + j) + step * x;
+        const auto* depths = layer.depth.ptr<float>(step * y + j) + step * x;
+        for (int i = 0; i < step; ++i) {
+          if (depths[i] <= 0) continue;
+          for (int k = 0; k < 3; ++k)
+            colours[i][k] = cv::saturate_cast<std::uint8_t>(light * colours[i][k]);
+        }
+      }
     }
+  }
 }
 
 void layOver(Layer& surface, const Layer& lines, int rim_px) {
@@ -69,11 +130,13 @@ void layOver(Layer& surface, const Layer& lines, int rim_px) {
   cv::Mat rim;
   cv::dilate(mask, rim,
              cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * rim_px + 1, 2 * rim_px + 1}));
-  for (int y = 0; y < mask.rows; ++y)
+  for (int y = 0; y < mask.rows; ++y) {
+    const auto* near_line = rim.ptr<std::uint8_t>(y);
+    const auto* on_line = mask.ptr<std::uint8_t>(y);
     for (int x = 0; x < mask.cols; ++x) {
-      if (rim.at<std::uint8_t>(y, x) == 0) continue;
+      if (near_line[x] == 0) continue;
       auto& colour = surface.colour.at<cv::Vec3b>(y, x);
-      if (mask.at<std::uint8_t>(y, x) == 0) {
+      if (on_line[x] == 0) {
         for (int k = 0; k < 3; ++k) colour[k] = static_cast<std::uint8_t>(kRimLight * colour[k]);
         continue;
       }
@@ -83,6 +146,7 @@ void layOver(Layer& surface, const Layer& lines, int rim_px) {
       for (int k = 0; k < 3; ++k)
         colour[k] = cv::saturate_cast<std::uint8_t>(opacity * line[k] + (1 - opacity) * colour[k]);
     }
+  }
 }
 
 }  // namespace cf

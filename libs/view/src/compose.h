@@ -19,8 +19,10 @@ void closeGaps(Layer& layer, int rounds);
 /// Unsharp masking of the depth buffer (Luft, Colditz, Deussen 2006): darkens what lies behind its
 /// surroundings, so that relief is seen without surface normals; even slopes stay as they are.
 /// `reach_px`: size of the surroundings; steps below `ignore_px` pixels in depth are left alone
-/// (the flat splats of a point cloud make such).
-void shadeRelief(Layer& layer, const ViewCamera& camera, double reach_px, double ignore_px);
+/// (the flat splats of a point cloud make such). Works on every `step`-th pixel and shades blocks
+/// of that size.
+void shadeRelief(Layer& layer, const ViewCamera& camera, double reach_px, double ignore_px,
+                 int step);
 
 /// Lays the lines over the surface: dimmed where the surface hides them, with a dark rim.
 void layOver(Layer& surface, const Layer& lines, int rim_px);

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
 
 #include "cf/base/error.h"
 #include "cf/formats/csv.h"
@@ -83,11 +86,27 @@ void loadLinks(const fs::path& file, const std::map<std::string, Centres>& centr
     const auto centre = found->second.find(image);
     return centre == found->second.end() ? nullptr : &centre->second;
   };
-  for (const auto& row : table.rows()) {
+  // For each photo its strongest partner of each other UAV: all of them would hide the map.
+  const auto inliers = table.column("inliers");
+  struct Strongest {
+    double inliers = -1;
+    std::size_t row = 0;
+  };
+  std::map<std::array<std::string, 3>, Strongest> strongest;  // by UAV, photo, other UAV
+  for (std::size_t i = 0; i < table.rows().size(); ++i) {
+    const auto& row = table.rows()[i];
     if (row[uav_a] == row[uav_b]) continue;  // within one UAV: not drawn
-    const auto* a = find(row[uav_a], row[image_a]);
-    const auto* b = find(row[uav_b], row[image_b]);
-    if (a != nullptr && b != nullptr) links.push_back({*a, *b});
+    if (!find(row[uav_a], row[image_a]) || !find(row[uav_b], row[image_b])) continue;
+    const double count = std::strtod(row[inliers].c_str(), nullptr);
+    for (Strongest* best : {&strongest[{row[uav_a], row[image_a], row[uav_b]}],
+                            &strongest[{row[uav_b], row[image_b], row[uav_a]}]})
+      if (count > best->inliers) *best = {count, i};
+  }
+  std::set<std::size_t> shown;
+  for (const auto& [photo, best] : strongest) shown.insert(best.row);
+  for (const std::size_t i : shown) {
+    const auto& row = table.rows()[i];
+    links.push_back({*find(row[uav_a], row[image_a]), *find(row[uav_b], row[image_b])});
   }
 }
 

@@ -3,11 +3,12 @@
 #include "cf/view/render.h"
 
 #include <fmt/format.h>
-#include <mrpt/opengl/CFBORender.h>
 #include <mrpt/opengl/COpenGLScene.h>
 
 #include <algorithm>
 #include <cmath>
+#include <future>
+#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -15,8 +16,10 @@
 #include "cf/base/log.h"
 #include "cf/formats/atomic_file.h"
 #include "compose.h"
+#include "offscreen.h"
 #include "overlay.h"
 #include "scene_objects.h"
+#include "visible_points.h"
 
 namespace cf {
 namespace {
@@ -24,79 +27,10 @@ namespace {
 namespace fs = std::filesystem;
 using mrpt::opengl::COpenGLScene;
 
-constexpr int kSupersampling = 2;           // each pixel is the mean of 2 x 2: smooth edges
-constexpr double kThinnestLines = 0.8;      // small pictures: lines no thinner than this share
-constexpr int kLargestTexture = 16384;      // [px] what the software renderer can draw at once
-constexpr double kBackground = 30 / 255.0;  // dark, neutral
-
-mrpt::opengl::CCamera mrptCamera(const ViewCamera& camera) {
-  mrpt::opengl::CCamera out;
-  const Eigen::Vector3f target = camera.target_m.cast<float>();
-  out.setPointingAt(target.x(), target.y(), target.z());
-  out.setAzimuthDegrees(static_cast<float>(camera.azimuth_deg));
-  out.setElevationDegrees(static_cast<float>(camera.elevation_deg));
-  out.setZoomDistance(static_cast<float>(camera.distance_m));
-  out.setOrthogonal(camera.orthographic);
-  out.setProjectiveFOVdeg(static_cast<float>(ViewCamera::kFieldOfViewDeg));
-  return out;
-}
-
-// MRPT converts the depth buffer as if every camera were a perspective one: undo it, then apply
-// the parallel projection's linear depth.
-void makeDepthParallel(cv::Mat& depth, float near_m, float far_m) {
-  for (int y = 0; y < depth.rows; ++y)
-    for (int x = 0; x < depth.cols; ++x) {
-      auto& d = depth.at<float>(y, x);
-      if (d <= 0) continue;
-      const float share = (far_m + near_m - 2 * near_m * far_m / d) / (far_m - near_m);
-      d = near_m + (share + 1) / 2 * (far_m - near_m);
-    }
-}
-
-class Offscreen {
- public:
-  explicit Offscreen(const ViewCamera& camera)
-      : camera_(camera), renderer_(makeRenderer(camera.size)) {}
-
-  Layer render(const mrpt::opengl::CRenderizable::Ptr& object) {
-    COpenGLScene scene;
-    auto viewport = scene.getViewport();
-    const auto grey = static_cast<float>(kBackground);
-    viewport->setCustomBackgroundColor({grey, grey, grey, 1.0F});
-    const auto near_m = static_cast<float>(camera_.near_m);
-    const auto far_m = static_cast<float>(camera_.far_m);
-    viewport->setViewportClipDistances(near_m, far_m);
-    if (object) scene.insert(object);
-    renderer_->setCamera(scene, mrptCamera(camera_));
-    mrpt::img::CImage image;
-    mrpt::math::CMatrixFloat depth;
-    renderer_->render_RGBD(scene, image, depth);
-    Layer layer;
-    layer.colour = image.asCvMat<cv::Mat>(mrpt::img::DEEP_COPY);
-    layer.depth = cv::Mat(static_cast<int>(depth.rows()), static_cast<int>(depth.cols()), CV_32FC1,
-                          depth.data())
-                      .clone();
-    if (camera_.orthographic) makeDepthParallel(layer.depth, near_m, far_m);
-    return layer;
-  }
-
- private:
-  static std::unique_ptr<mrpt::opengl::CFBORender> makeRenderer(ImageSize size) {
-    try {
-      return std::make_unique<mrpt::opengl::CFBORender>(static_cast<unsigned>(size.width),
-                                                        static_cast<unsigned>(size.height));
-    } catch (const std::exception& e) {
-      std::string reason = e.what();
-      std::replace(reason.begin(), reason.end(), '\n', ' ');
-      throw RunError(fmt::format(
-          "cannot start the offscreen renderer ({}): install libegl-mesa0 and libgl1-mesa-dri",
-          reason.substr(0, 200)));
-    }
-  }
-
-  ViewCamera camera_;
-  std::unique_ptr<mrpt::opengl::CFBORender> renderer_;
-};
+constexpr int kSupersampling = 2;                // each pixel is the mean of 2 x 2: smooth edges
+constexpr double kThinnestLines = 0.8;           // small pictures: lines no thinner than this share
+constexpr std::size_t kScenePoints = 1'000'000;  // of map.3Dscene
+constexpr int kLargestTexture = 16384;           // [px] what the software renderer can draw at once
 
 // Points as large as the gaps between them, so that they look like a surface. Returns the size in
 // the middle of the picture [px].
@@ -113,9 +47,9 @@ double sizePoints(mrpt::opengl::CPointCloudColoured& cloud, double spacing_m,
   }
   // The shader draws base + k / (scale * depth + 0.01) pixels.
   cloud.enableVariablePointSize(true);
-  cloud.setPointSize(1.0F);
+  cloud.setPointSize(static_cast<float>(kSmallestPx));
   cloud.setVariablePointSize_DepthScale(1.0F);
-  cloud.setVariablePointSize_k(static_cast<float>(size_m / camera.metresPerPixel(1)));
+  cloud.setVariablePointSize_k(static_cast<float>((size_px - kSmallestPx) * camera.distance_m));
   return size_px;
 }
 
@@ -138,6 +72,116 @@ void writePng(const fs::path& path, const cv::Mat& picture) {
   writeFileAtomically(path, std::string(bytes.begin(), bytes.end()));
 }
 
+/// Every k-th point, so that at most about `most` are left.
+std::vector<ColouredPoint> thinned(const std::vector<ColouredPoint>& cloud, std::size_t most) {
+  const std::size_t step = (cloud.size() + most - 1) / most;
+  if (step <= 1) return cloud;
+  std::vector<ColouredPoint> out;
+  out.reserve(cloud.size() / step + 1);
+  for (std::size_t i = 0; i < cloud.size(); i += step) out.push_back(cloud[i]);
+  return out;
+}
+
+/// Of the whole cloud, the same for every picture.
+struct Measures {
+  double spacing_m = 0;
+  HeightRange heights;
+};
+
+Measures measure(const SceneInputs& scene) {
+  return {pointSpacing(scene.cloud), heightRange(scene.cloud)};
+}
+
+/// A picture on its way.
+struct Picture {
+  View view;
+  ImageSize size;
+  fs::path png;
+  ViewCamera camera;  ///< of the supersampled picture
+  HeightRange heights;
+  int supersampling = 1;
+  double splat_px = 0;
+  mrpt::opengl::CRenderizable::Ptr surface_object, line_object;
+  Layer surface, lines;
+
+  double ui() const { return camera.size.height / 1080.0; }
+};
+
+Picture prepare(const SceneInputs& scene, const Measures& measures, const View& view,
+                ImageSize size, const fs::path& png) {
+  Picture p;
+  p.view = view;
+  p.size = size;
+  p.png = png;
+  p.heights = measures.heights;
+  p.camera = frameScene(scene, view, size);
+  p.supersampling =
+      std::max(size.width, size.height) * kSupersampling <= kLargestTexture ? kSupersampling : 1;
+  p.camera.size = {size.width * p.supersampling, size.height * p.supersampling};
+  const bool by_height = view.kind == View::Kind::kHeight;
+  if (view.kind == View::Kind::kOctomap) {
+    p.surface_object = voxelObject(scene.voxels, p.camera);
+  } else {
+    const auto cloud = cloudObject(visiblePoints(scene.cloud, p.camera, p.supersampling),
+                                   by_height ? &p.heights : nullptr);
+    p.splat_px = sizePoints(*cloud, measures.spacing_m, p.camera);
+    p.surface_object = cloud;
+  }
+  if (!by_height)
+    p.line_object =
+        lineObject(scene, lineStyle(p.camera, std::max(p.ui(), kThinnestLines * p.supersampling)));
+  return p;
+}
+
+/// All that needs the renderer.
+void draw(Picture& p) {
+  Offscreen offscreen(p.camera);
+  p.surface = offscreen.render(p.surface_object);
+  if (p.line_object) p.lines = offscreen.render(p.line_object);
+  p.surface_object.reset();
+  p.line_object.reset();
+}
+
+void finish(Picture& p, const SceneInputs& scene) {
+  if (p.view.kind != View::Kind::kOctomap) closeGaps(p.surface, 4);
+  // Seen at a grazing angle the steps between flat splats are longer in depth.
+  const double steepness = std::max(1.0, 1.5 / std::tan(p.camera.elevation_deg * M_PI / 180.0));
+  shadeRelief(p.surface, p.camera, 5 * p.ui(), p.splat_px * steepness, p.supersampling);
+  if (!p.lines.depth.empty())
+    layOver(p.surface, p.lines, static_cast<int>(std::lround(1.5 * p.ui())));
+  cv::Mat picture;
+  cv::resize(p.surface.colour, picture, {p.size.width, p.size.height}, 0, 0, cv::INTER_AREA);
+  if (p.view.kind != View::Kind::kHeight) drawUavLegend(picture, scene, !p.camera.orthographic);
+  if (scene.georeferenced) {
+    drawScaleBar(picture, p.camera);
+    drawNorthArrow(picture, p.camera);
+  }
+  if (p.view.kind == View::Kind::kHeight) drawHeightLegend(picture, p.heights, scene);
+  writePng(p.png, picture);
+}
+
+/// Pictures are drawn in this thread, as OpenGL wants it; the next one is prepared and the last one
+/// finished beside it.
+void renderAll(const SceneInputs& scene, const std::vector<View>& views, ImageSize size,
+               const std::vector<fs::path>& files) {
+  const Measures measures = measure(scene);
+  const auto prepared = [&](std::size_t i) {
+    return std::async(std::launch::async, [&scene, &measures, &views, size, &files, i] {
+      return prepare(scene, measures, views[i], size, files[i]);
+    });
+  };
+  std::future<Picture> coming = prepared(0);
+  std::future<void> finishing;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    auto picture = std::make_shared<Picture>(coming.get());
+    if (i + 1 < views.size()) coming = prepared(i + 1);
+    draw(*picture);
+    if (finishing.valid()) finishing.get();
+    finishing = std::async(std::launch::async, [&scene, picture] { finish(*picture, scene); });
+  }
+  finishing.get();
+}
+
 }  // namespace
 
 Eigen::Matrix<std::uint8_t, 3, 1> uavColour(bool central, std::size_t index) {
@@ -151,57 +195,23 @@ Eigen::Matrix<std::uint8_t, 3, 1> uavColour(bool central, std::size_t index) {
 
 void renderSnapshot(const SceneInputs& scene, const View& view, ImageSize size,
                     const fs::path& png) {
-  ViewCamera camera = frameScene(scene, view, size);
-  const int supersampling =
-      std::max(size.width, size.height) * kSupersampling <= kLargestTexture ? kSupersampling : 1;
-  camera.size = {size.width * supersampling, size.height * supersampling};
-
-  Offscreen offscreen(camera);
-  const HeightRange heights = heightRange(scene.cloud);
-  Layer surface;
-  double splat_px = 0;
-  if (view.kind == View::Kind::kOctomap) {
-    surface = offscreen.render(voxelObject(scene.voxels));
-  } else {
-    const bool by_height = view.kind == View::Kind::kHeight;
-    const auto cloud = cloudObject(scene.cloud, by_height ? &heights : nullptr);
-    splat_px = sizePoints(*cloud, pointSpacing(scene.cloud), camera);
-    surface = offscreen.render(cloud);
-    closeGaps(surface, 4);
-  }
-  const double ui = camera.size.height / 1080.0;
-  // Seen at a grazing angle the steps between flat splats are longer in depth.
-  const double steepness = std::max(1.0, 1.5 / std::tan(camera.elevation_deg * M_PI / 180.0));
-  shadeRelief(surface, camera, 5 * ui, splat_px * steepness);
-  if (view.kind != View::Kind::kHeight)
-    layOver(surface,
-            offscreen.render(
-                lineObject(scene, lineStyle(camera, std::max(ui, kThinnestLines * supersampling)))),
-            static_cast<int>(std::lround(1.5 * ui)));
-
-  cv::Mat picture;
-  cv::resize(surface.colour, picture, {size.width, size.height}, 0, 0, cv::INTER_AREA);
-  if (view.kind != View::Kind::kHeight) drawUavLegend(picture, scene, !camera.orthographic);
-  if (scene.georeferenced) {
-    drawScaleBar(picture, camera);
-    drawNorthArrow(picture, camera);
-  }
-  if (view.kind == View::Kind::kHeight) drawHeightLegend(picture, heights, scene);
-  writePng(png, picture);
+  Picture picture = prepare(scene, measure(scene), view, size, png);
+  draw(picture);
+  finish(picture, scene);
 }
 
 void writeScene(const SceneInputs& scene, const fs::path& file) {
   const ViewCamera camera = frameScene(scene, {View::Kind::kIso, {}}, {});
   COpenGLScene out;
   auto viewport = out.getViewport();
-  const auto grey = static_cast<float>(kBackground);
-  viewport->setCustomBackgroundColor({grey, grey, grey, 1.0F});
+  viewport->setCustomBackgroundColor({kBackgroundGrey, kBackgroundGrey, kBackgroundGrey, 1.0F});
   viewport->getCamera() = mrptCamera(camera);
   viewport->setViewportClipDistances(static_cast<float>(0.05 * camera.near_m),
                                      static_cast<float>(10 * camera.far_m));
-  const auto cloud = cloudObject(scene.cloud, nullptr);
+  const std::vector<ColouredPoint> points = thinned(scene.cloud, kScenePoints);
+  const auto cloud = cloudObject(points, nullptr);
   cloud->setName("cloud");
-  sizePoints(*cloud, pointSpacing(scene.cloud), camera);
+  sizePoints(*cloud, pointSpacing(points), camera);
   out.insert(cloud);
   LineStyle style = lineStyle(camera, 1.0);
   style.right = Eigen::Vector3d::UnitX();
@@ -236,12 +246,11 @@ std::vector<fs::path> renderRun(const fs::path& outdir, ImageSize size) {
     views.push_back({View::Kind::kUav, track.name});
     names.push_back("uav_" + track.name);
   }
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    written.push_back(outdir / "snapshots" / (names[i] + ".png"));
-    renderSnapshot(scene, views[i], size, written.back());
-  }
-  written.push_back(outdir / "map.3Dscene");
-  writeScene(scene, written.back());
+  for (const std::string& name : names) written.push_back(outdir / "snapshots" / (name + ".png"));
+  const fs::path scene_file = outdir / "map.3Dscene";
+  renderAll(scene, views, size, written);
+  writeScene(scene, scene_file);
+  written.push_back(scene_file);
   return written;
 }
 

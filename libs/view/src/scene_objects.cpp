@@ -110,28 +110,31 @@ double pointSpacing(const std::vector<ColouredPoint>& cloud) {
     return std::max(0.1, static_cast<double>(v[v.size() * 98 / 100] - v[v.size() * 2 / 100]));
   };
   const double cell = 1.5 * std::sqrt(span(xs) * span(ys) / static_cast<double>(cloud.size()));
-  const auto key = [&](double x, double y) {
-    return (static_cast<std::int64_t>(std::floor(x / cell)) << 32) ^
-           (static_cast<std::int64_t>(std::floor(y / cell)) & 0xffffffff);
+  using Key = std::int64_t;
+  const auto key = [&](double x, double y) -> Key {
+    return (static_cast<Key>(std::floor(x / cell)) << 32) ^
+           (static_cast<Key>(std::floor(y / cell)) & 0xffffffff);
   };
-  std::unordered_map<std::int64_t, std::vector<std::uint32_t>> grid;
-  grid.reserve(cloud.size() / 2);
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    grid[key(cloud[i].position_m.x(), cloud[i].position_m.y())].push_back(
-        static_cast<std::uint32_t>(i));
+  // The cells around a few samples, and the points in them.
+  std::unordered_map<Key, std::vector<std::uint32_t>> grid;
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / 2000);
+  for (std::size_t i = 0; i < cloud.size(); i += step)
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy)
+        grid[key(cloud[i].position_m.x() + dx * cell, cloud[i].position_m.y() + dy * cell)];
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto found = grid.find(key(cloud[i].position_m.x(), cloud[i].position_m.y()));
+    if (found != grid.end()) found->second.push_back(static_cast<std::uint32_t>(i));
+  }
   // The fourth neighbour of a sample: what a square of points around it would be apart.
   std::vector<double> distances;
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / 2000);
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     const Eigen::Vector3f& p = cloud[i].position_m;
     std::vector<float> near;
     for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy) {
-        const auto found = grid.find(key(p.x() + dx * cell, p.y() + dy * cell));
-        if (found == grid.end()) continue;
-        for (const auto j : found->second)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (const auto j : grid.at(key(p.x() + dx * cell, p.y() + dy * cell)))
           if (j != i) near.push_back((cloud[j].position_m - p).norm());
-      }
     const std::size_t rank = 3;
     if (near.size() <= rank) continue;
     std::nth_element(near.begin(), near.begin() + rank, near.end());
@@ -145,9 +148,9 @@ double pointSpacing(const std::vector<ColouredPoint>& cloud) {
 }
 
 HeightRange heightRange(const std::vector<ColouredPoint>& cloud) {
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / 200'000);
   std::vector<float> z;
-  z.reserve(cloud.size());
-  for (const auto& p : cloud) z.push_back(p.position_m.z());
+  for (std::size_t i = 0; i < cloud.size(); i += step) z.push_back(cloud[i].position_m.z());
   if (z.empty()) return {};
   std::sort(z.begin(), z.end());
   const auto at = [&](double share) {
@@ -168,9 +171,10 @@ cv::Mat heightRamp() {
 mrpt::opengl::CPointCloudColoured::Ptr cloudObject(const std::vector<ColouredPoint>& cloud,
                                                    const HeightRange* by_height) {
   auto object = mrpt::opengl::CPointCloudColoured::Create();
-  object->reserve(cloud.size());
+  object->resize(cloud.size());
   const cv::Mat ramp = heightRamp();
-  for (const auto& p : cloud) {
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const ColouredPoint& p = cloud[i];
     Rgb rgb(p.rgb[0], p.rgb[1], p.rgb[2]);
     if (by_height != nullptr) {
       const double share =
@@ -178,15 +182,19 @@ mrpt::opengl::CPointCloudColoured::Ptr cloudObject(const std::vector<ColouredPoi
       const auto bgr = ramp.at<cv::Vec3b>(cvRound(255 * std::clamp(share, 0.0, 1.0)));
       rgb = {bgr[2], bgr[1], bgr[0]};
     }
-    object->insertPoint(mrpt::math::TPointXYZfRGBAu8(p.position_m.x(), p.position_m.y(),
-                                                     p.position_m.z(), rgb[0], rgb[1], rgb[2]));
+    object->setPoint_fast(
+        i, mrpt::math::TPointXYZfRGBAu8(p.position_m.x(), p.position_m.y(), p.position_m.z(),
+                                        rgb[0], rgb[1], rgb[2]));
   }
+  object->markAllPointsAsNew();
   return object;
 }
 
-mrpt::opengl::CSetOfTriangles::Ptr voxelObject(const std::vector<Voxel>& voxels) {
+mrpt::opengl::CSetOfTriangles::Ptr voxelObject(const std::vector<Voxel>& voxels,
+                                               const ViewCamera& camera) {
   // Light from above and a little from the south-east: one factor for each side of a cube.
   constexpr double kLight[6] = {0.62, 0.80, 0.86, 0.58, 0.40, 1.0};
+  const Eigen::Vector3d eye = camera.eye();
   auto object = CSetOfTriangles::Create();
   object->enableLight(false);
   for (const auto& v : voxels)
@@ -196,9 +204,11 @@ mrpt::opengl::CSetOfTriangles::Ptr voxelObject(const std::vector<Voxel>& voxels)
       const double h = 0.5 * static_cast<double>(v.size_m);
       Eigen::Vector3d n = Eigen::Vector3d::Zero(), a = n, b = n;
       n[axis] = face % 2 == 0 ? -h : h;
+      const Eigen::Vector3d c = v.centre_m.cast<double>() + n;
+      const Eigen::Vector3d sight = camera.orthographic ? camera.forward() : c - eye;
+      if (n.dot(sight) >= 0) continue;  // faces away
       a[(axis + 1) % 3] = h;
       b[(axis + 2) % 3] = h;
-      const Eigen::Vector3d c = v.centre_m.cast<double>() + n;
       Rgb rgb;
       for (int k = 0; k < 3; ++k) rgb[k] = static_cast<std::uint8_t>(kLight[face] * v.rgb[k]);
       addQuad(*object, c - a - b, c + a - b, c + a + b, c - a + b, rgb);

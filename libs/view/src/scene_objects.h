@@ -29,8 +29,9 @@ cv::Mat heightRamp();
 mrpt::opengl::CPointCloudColoured::Ptr cloudObject(const std::vector<ColouredPoint>& cloud,
                                                    const HeightRange* by_height);
 
-/// Exposed faces of the voxels, shaded by the side they face.
-mrpt::opengl::CSetOfTriangles::Ptr voxelObject(const std::vector<Voxel>& voxels);
+/// Exposed faces of the voxels that face the camera, shaded by their side.
+mrpt::opengl::CSetOfTriangles::Ptr voxelObject(const std::vector<Voxel>& voxels,
+                                               const ViewCamera& camera);
 
 /// Trajectories as tubes with a triangle at the end, relative poses as thin red tubes.
 /// metres_per_pixel gives the size of a pixel at a world point; triangles lie in the plane of
@@ -40,7 +41,7 @@ struct LineStyle {
   Eigen::Vector3d right = Eigen::Vector3d::UnitX();
   Eigen::Vector3d up = Eigen::Vector3d::UnitY();
   double track_px = 5;      ///< width of a trajectory
-  double link_px = 2.8;     ///< width of a relative pose
+  double link_px = 2.0;     ///< width of a relative pose
   double triangle_px = 34;  ///< length of the triangle
 };
 mrpt::opengl::CSetOfTriangles::Ptr lineObject(const SceneInputs& scene, const LineStyle& style);

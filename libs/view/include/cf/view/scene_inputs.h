@@ -33,7 +33,8 @@ struct UavTrack {
   std::vector<Eigen::Vector3d> positions_m;  ///< camera centres
 };
 
-/// The two camera centres of a relative pose between two UAVs, world frame.
+/// The two camera centres of a relative pose between two UAVs, world frame. Of those that a photo
+/// has with one other UAV, the one with most inliers is shown.
 struct RelativeLink {
   Eigen::Vector3d a_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d b_m = Eigen::Vector3d::Zero();
@@ -44,9 +45,9 @@ struct SceneInputs {
   std::vector<ColouredPoint> cloud;
   std::vector<UavTrack> tracks;  ///< by name
   std::vector<RelativeLink> links;
-  std::vector<Voxel> voxels;             ///< loaded only when asked for
-  bool georeferenced = true;  ///< false: a relative map; neither north nor metres are known
-  double origin_height_m = 0;            ///< height of the world's origin above its datum
+  std::vector<Voxel> voxels;   ///< loaded only when asked for
+  bool georeferenced = true;   ///< false: a relative map; neither north nor metres are known
+  double origin_height_m = 0;  ///< height of the world's origin above its datum
   std::string height_datum = "unknown";  ///< ellipsoid | msl | unknown
 };
 
