@@ -52,19 +52,11 @@ Result<ResectedPose> resect(const std::vector<Eigen::Vector3d>& p_world,
     return too_few(0);
 
   ResectedPose out;
-  const auto classify = [&] {
-    out.T_world_cam = poseOf(rvec, tvec);
-    out.T_world_cam.pretranslate(centre);
-    out.inlier.assign(p_world.size(), 0);
-    out.inliers = 0;
-    for (std::size_t i = 0; i < p_world.size(); ++i)
-      if (reprojectionError({out.T_world_cam, normalized[i]}, p_world[i]) < options.threshold) {
-        out.inlier[i] = 1;
-        ++out.inliers;
-      }
-  };
-  classify();
-  for (int round = 0; round < 2; ++round) {
+  out.inlier.assign(p_world.size(), 0);
+  for (const int i : ransac_inliers) out.inlier[static_cast<std::size_t>(i)] = 1;
+  out.inliers = static_cast<int>(ransac_inliers.size());
+  for (int round = 0; round < 3; ++round) {
+    if (out.inliers < options.min_inliers) return too_few(out.inliers);
     std::vector<cv::Point3d> kept_objects;
     std::vector<cv::Point2d> kept_images;
     for (std::size_t i = 0; i < objects.size(); ++i)
@@ -72,9 +64,21 @@ Result<ResectedPose> resect(const std::vector<Eigen::Vector3d>& p_world,
         kept_objects.push_back(objects[i]);
         kept_images.push_back(images[i]);
       }
-    if (static_cast<int>(kept_objects.size()) < options.min_inliers) return too_few(out.inliers);
-    cv::solvePnPRefineLM(kept_objects, kept_images, K, cv::noArray(), rvec, tvec);
-    classify();
+    // The pose that comes with RANSAC's inliers is EPnP's, which fails on level ground: from the
+    // inliers anew, by a solver that is at home on planes as well.
+    if (round == 0)
+      cv::solvePnP(kept_objects, kept_images, K, cv::noArray(), rvec, tvec, false,
+                   cv::SOLVEPNP_SQPNP);
+    else
+      cv::solvePnPRefineLM(kept_objects, kept_images, K, cv::noArray(), rvec, tvec);
+    out.T_world_cam = poseOf(rvec, tvec);
+    out.T_world_cam.pretranslate(centre);
+    out.inliers = 0;
+    for (std::size_t i = 0; i < p_world.size(); ++i) {
+      out.inlier[i] =
+          reprojectionError({out.T_world_cam, normalized[i]}, p_world[i]) < options.threshold;
+      out.inliers += out.inlier[i];
+    }
   }
   if (out.inliers < options.min_inliers) return too_few(out.inliers);
   return out;

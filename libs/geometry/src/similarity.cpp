@@ -103,8 +103,9 @@ Result<RobustAlignment> alignPointsRobust(const std::vector<Eigen::Vector3d>& a,
   for (int round = 0; round < 5 && best.inliers >= min_inliers; ++round) {
     const auto S = alignPoints(subsetOf(a, best.inlier), subsetOf(b, best.inlier), model);
     if (!S) break;
+    // Even if a few pairs fewer agree: the fit to all of them is nearer the truth than the sample
+    // that chanced to please most.
     RobustAlignment refined = classify(*S);
-    if (refined.inliers < best.inliers) break;
     const bool settled = refined.inlier == best.inlier;
     best = std::move(refined);
     if (settled) break;

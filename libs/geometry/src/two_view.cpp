@@ -38,8 +38,18 @@ cv::Mat essentialOf(const Points& a, const Points& b, double threshold, cv::Mat&
                               2000, mask);
 }
 
+/// In units of the threshold: OpenCV's MAGSAC finds no homography on the normalized plane as soon
+/// as there are outliers.
 cv::Mat homographyOf(const Points& a, const Points& b, double threshold, cv::Mat& mask) {
-  return cv::findHomography(a, b, cv::USAC_MAGSAC, threshold, mask, 2000, 0.9999);
+  const auto scaled = [&](Points points) {
+    for (cv::Point2d& p : points) p *= 1 / threshold;
+    return points;
+  };
+  const cv::Mat H =
+      cv::findHomography(scaled(a), scaled(b), cv::USAC_MAGSAC, 1, mask, 2000, 0.9999);
+  if (H.empty()) return H;
+  const cv::Mat scale = cv::Mat::diag(cv::Mat(cv::Vec3d(threshold, threshold, 1)));
+  return scale * H * scale.inv();
 }
 
 /// Maps a's frame to b's: p_b = R p_a + t.

@@ -21,7 +21,8 @@ struct ResectedPose {
 };
 
 /// Pose of a calibrated camera from world points and where they are seen on its normalized plane:
-/// RANSAC over AP3P (Ke & Roumeliotis 2017), then robust least squares. Deterministic.
+/// RANSAC over AP3P (Ke & Roumeliotis 2017), SQPnP of its inliers (Terzakis & Lourakis 2020), then
+/// least squares of the inliers, twice. Level ground is as good as relief. Deterministic.
 Result<ResectedPose> resect(const std::vector<Eigen::Vector3d>& p_world,
                             const std::vector<Eigen::Vector2d>& normalized,
                             const PnpOptions& options);
