@@ -99,6 +99,7 @@ std::vector<Joint> findJoints(const std::vector<Piece>& pieces, const MatchGraph
 
 /// A tree of joined pieces: each piece's frame in the frame of the root.
 struct Tree {
+  int root = 0;
   std::vector<int> pieces;
   std::map<int, Sim3> S_root_piece;
   std::size_t photos = 0, center_photos = 0;
@@ -123,6 +124,7 @@ std::vector<Tree> growTrees(const std::vector<Piece>& pieces, std::vector<Joint>
   for (const int root : order) {
     if (taken.count(root) > 0 || pieces[static_cast<std::size_t>(root)].poses.empty()) continue;
     Tree tree;
+    tree.root = root;
     tree.S_root_piece[root] = Sim3{};
     taken.insert(root);
     for (bool grown = true; grown;) {
@@ -260,7 +262,7 @@ Placement joinSegments(const MatchGraph& graph, const std::vector<GeoSegment>& s
     if (S_world_root)
       place(tree, *S_world_root);
     else if (placement.relative && placement.components == 0)
-      place(tree, levelled(pieces[static_cast<std::size_t>(tree.pieces.front())]));
+      place(tree, levelled(pieces[static_cast<std::size_t>(tree.root)]));
   }
   resectLoners(graph, pieces, placement);
   for (const Tree& tree : trees) {
