@@ -7,11 +7,17 @@
 #include <set>
 #include <utility>
 
+#include "homography_alignment.h"
+#include "relative_poses.h"
+#include "track_triangulation.h"
+
 namespace cf {
 namespace {
 
 /// Photos of one UAV this close in its sequence are matched wherever they are thought to be.
 constexpr std::uint32_t kSequenceNeighbours = 3;
+/// Rigid segments leave a seam of this size between the photos of one point [px].
+constexpr double kRigidThresholdPx = 5;
 
 double medianDepth(const Keyframe& photo) {
   std::vector<float> inverse;
@@ -43,19 +49,27 @@ void setDepths(std::vector<double> depths, PoseTable::Entry& entry) {
   entry.far_depth_m = at(0.95);
 }
 
+AlignOptions withSharedBias(AlignOptions options) {
+  options.relative.bias_horizontal_m = options.joint.bias_sigma_horizontal_m;
+  options.relative.bias_vertical_m = options.joint.bias_sigma_vertical_m;
+  return options;
+}
+
 }  // namespace
 
 void AlignOptions::visit(OptionVisitor& v) {
-  v.choice("method", method, {"joint"}, "joint: bundle adjustment of all UAVs");
+  v.choice("method", method, {"joint", "homography"},
+           "joint: bundle adjustment of all UAVs; homography: the paper's relative poses alone");
   candidates.visit(v);
   pair.visit(v);
   joint.visit(v);
+  relative.visit(v);
 }
 
 class Aligner::State {
  public:
   State(const AlignOptions& options, std::uint16_t center)
-      : options_(options), center_(center), graph_(MatchGraphOptions{}) {}
+      : options_(withSharedBias(options)), center_(center), graph_(MatchGraphOptions{}) {}
 
   void push(const GeoKeyframe& keyframe) {
     graph_.add(keyframe.keyframe);
@@ -65,21 +79,36 @@ class Aligner::State {
   Alignment solve(const std::vector<GeoSegment>& segments, const std::vector<GnssQuality>& quality,
                   const std::vector<CameraModel>& cameras) {
     const std::map<FrameId, Alone> alone = aloneOf(segments, quality);
+    const PairViews views = viewsOf(alone);
     matchNeighbours();
     matchCandidates(footprints(alone));
-    Placement placement = joinSegments(graph_, segments, center_);
-    // Joined photos lie better than GNSS alone could tell: overlaps that it missed show now.
-    matchCandidates(footprints(placement, alone));
-    placement = joinSegments(graph_, segments, center_);
 
     Alignment out;
+    PairObservations observed;
+    const auto place = [&] {
+      if (options_.method != "homography") return joinSegments(graph_, segments, center_);
+      auto placed =
+          placeByRelativePoses(graph_, segments, weighedFixes(quality),
+                               observeStrongestPairs(graph_, views, options_.pair, observed),
+                               center_, options_.relative);
+      out.gnss_bias_m = std::move(placed.gnss_bias_m);
+      return std::move(placed.placement);
+    };
+    Placement placement = place();
+    // Joined photos lie better than GNSS alone could tell: overlaps that it missed show now.
+    matchCandidates(footprints(placement, alone));
+    placement = place();
+
     out.relative = placement.relative;
     out.components = placement.components;
     out.table.cameras = cameras;
     out.table.version = ++version_;
-    adjust(placement, quality, out);
+    if (options_.method == "homography")
+      keepRigid(placement, out);
+    else
+      adjust(placement, quality, out);
     addPoses(placement, out);
-    addRelativePoses(alone, out);
+    addRelativePoses(views, placement, observed, out);
     return out;
   }
 
@@ -102,6 +131,20 @@ class Aligner::State {
         alone[pose.frame] = a;
       }
     return alone;
+  }
+
+  PairViews viewsOf(const std::map<FrameId, Alone>& alone) const {
+    PairViews views;
+    for (const auto& [id, a] : alone)
+      views[id] = {&graph_.photo(id), a.T_world_cam, a.scale, a.scale_sigma, a.georeferenced};
+    return views;
+  }
+
+  /// Fixes with the noise that their receiver shows, where that is above what it tags.
+  std::map<FrameId, GnssPosition> weighedFixes(const std::vector<GnssQuality>& quality) const {
+    std::map<FrameId, GnssPosition> fixes = fixes_;
+    for (auto& [id, fix] : fixes) fix.sigma_m = fix.sigma_m.cwiseMax(quality[id.uav].sigma_m);
+    return fixes;
   }
 
   void matchNeighbours() {
@@ -149,6 +192,7 @@ class Aligner::State {
 
   void adjust(const Placement& placement, const std::vector<GnssQuality>& quality, Alignment& out) {
     const std::vector<Track> tracks = buildTracks(graph_);
+    const std::map<FrameId, GnssPosition> fixes = weighedFixes(quality);
     std::set<std::uint16_t> calibrated;
     for (int component = 0; component < placement.components; ++component) {
       JointProblem problem;
@@ -157,11 +201,8 @@ class Aligner::State {
       for (const auto& [id, placed] : placement.photos) {
         if (placed.component != component) continue;
         JointPhoto photo{id, placed.T_world_cam, {}};
-        const auto fix = fixes_.find(id);
-        if (fix != fixes_.end() && !placement.relative) {
-          photo.fix = fix->second;
-          photo.fix->sigma_m = fix->second.sigma_m.cwiseMax(quality[id.uav].sigma_m);
-        }
+        const auto fix = fixes.find(id);
+        if (fix != fixes.end() && !placement.relative) photo.fix = fix->second;
         problem.photos.push_back(photo);
         const double depth = medianDepth(graph_.photo(id)) * placed.scale;
         if (depth > 0) depths.push_back(depth);
@@ -185,6 +226,21 @@ class Aligner::State {
     }
   }
 
+  /// Points of the map from poses that stay as they are placed.
+  void keepRigid(const Placement& placement, Alignment& out) const {
+    const std::vector<Track> tracks = buildTracks(graph_);
+    for (int component = 0; component < placement.components; ++component) {
+      std::map<FrameId, PosedPhoto> photos;
+      for (const auto& [id, placed] : placement.photos)
+        if (placed.component == component)
+          photos[id] = {placed.T_world_cam, graph_.photo(id).camera};
+      std::vector<SparsePoint> points =
+          triangulateTracks(graph_, tracks, photos, kRigidThresholdPx);
+      if (component == 0) out.reprojection_rms_px = reprojectionRmsPx(graph_, points, photos);
+      std::move(points.begin(), points.end(), std::back_inserter(out.points));
+    }
+  }
+
   /// Poses of photos that no adjustment held, and the range of depths of every photo.
   void addPoses(const Placement& placement, Alignment& out) const {
     for (const auto& [id, placed] : placement.photos)
@@ -199,28 +255,18 @@ class Aligner::State {
     for (auto& [id, entry] : out.table.poses) setDepths(std::move(depths[id]), entry);
   }
 
-  void addRelativePoses(const std::map<FrameId, Alone>& alone, Alignment& out) const {
-    for (const auto& [pair, matches] : graph_.pairs()) {
-      const auto& [a, b] = pair;
-      if (a.uav == b.uav) continue;
-      const auto view = [&](FrameId id) {
-        const Alone& s = alone.at(id);
-        return PairView{&graph_.photo(id), s.T_world_cam, s.scale, s.scale_sigma, s.georeferenced};
-      };
-      if (alone.count(a) == 0 || alone.count(b) == 0) continue;
-      auto observation = observePair(view(a), view(b), matches, options_.pair);
-      if (!observation) continue;
-      RelativePose pose = observation->pose;
-      const auto residual = [&](const Eigen::Isometry3d& T_world_a,
-                                const Eigen::Isometry3d& T_world_b) {
-        return (predictRelativePose(T_world_a, T_world_b).translation() - pose.T_a_b.translation())
-            .norm();
-      };
-      pose.residual_before = residual(alone.at(a).T_world_cam, alone.at(b).T_world_cam);
-      const auto fa = out.table.poses.find(a), fb = out.table.poses.find(b);
-      if (fa == out.table.poses.end() || fb == out.table.poses.end()) continue;
-      pose.residual_after = residual(fa->second.T_world_cam, fb->second.T_world_cam);
-      out.relative_poses.push_back(pose);
+  void addRelativePoses(const PairViews& views, const Placement& placement,
+                        PairObservations& observed, Alignment& out) const {
+    const std::map<FrameId, double> scales = scalesInMap(graph_, out.table, out.points);
+    const auto scaleOf = [&](FrameId id) {
+      const auto measured = scales.find(id);
+      return measured != scales.end() ? measured->second : placement.photos.at(id).scale;
+    };
+    for (const auto& o : observeStrongestPairs(graph_, views, options_.pair, observed)) {
+      const FrameId a = o.pose.a, b = o.pose.b;
+      if (a.uav == b.uav || out.table.poses.count(a) == 0 || out.table.poses.count(b) == 0)
+        continue;
+      out.relative_poses.push_back(relativePoseInMap(o, views, out.table, scaleOf(a), scaleOf(b)));
     }
   }
 

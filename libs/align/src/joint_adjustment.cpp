@@ -10,7 +10,7 @@
 #include <cmath>
 #include <memory>
 
-#include "cf/geometry/triangulation.h"
+#include "track_triangulation.h"
 
 namespace cf {
 namespace {
@@ -129,52 +129,9 @@ class Adjustment {
     for (const CameraModel& camera : problem.cameras) lenses_.push_back(lensOf(camera));
   }
 
-  /// Triangulates every track with the state as it is; observations worse than `threshold`
-  /// (in pixels at the feature size) are left out.
+  /// Triangulates every track with the state as it is.
   std::vector<SparsePoint> triangulateAll(double threshold_px) const {
-    std::map<FrameId, Eigen::Isometry3d> poses;
-    for (const auto& [id, block] : poses_) poses[id] = poseOf(block);
-    std::vector<SparsePoint> points;
-    for (const Track& track : tracks_) {
-      Track kept;
-      std::vector<Sight> sights;
-      std::vector<double> limits;
-      for (const auto& o : track) {
-        const auto pose = poses.find(o.frame);
-        if (pose == poses.end()) continue;
-        const CameraModel camera = cameraOf(o.frame);
-        const FeatureSet& features = *graph_.photo(o.frame).features;
-        kept.push_back(o);
-        sights.push_back(
-            {pose->second,
-             camera.undistort(features.pixel[static_cast<std::size_t>(o.feature)].cast<double>())});
-        limits.push_back(threshold_px * features.pixel_size / camera.fx);
-      }
-      // The worst sight goes until all agree.
-      while (sights.size() >= 2) {
-        const auto point = triangulate(sights);
-        std::size_t worst = 0;
-        double worst_ratio = 0;
-        if (point)
-          for (std::size_t i = 0; i < sights.size(); ++i) {
-            const double ratio = reprojectionError(sights[i], point->position) / limits[i];
-            if (ratio > worst_ratio) {
-              worst_ratio = ratio;
-              worst = i;
-            }
-          }
-        if (point && worst_ratio < 1) {
-          if (point->max_angle_rad > kMinAngle) points.push_back(pointOf(kept, point->position));
-          break;
-        }
-        if (!point && sights.size() == 2) break;
-        const auto at = static_cast<long>(worst);
-        sights.erase(sights.begin() + at);
-        limits.erase(limits.begin() + at);
-        kept.erase(kept.begin() + at);
-      }
-    }
-    return points;
+    return triangulateTracks(graph_, tracks_, posed(), threshold_px);
   }
 
   void solve(const std::vector<SparsePoint>& all, double loss_sigmas) {
@@ -240,25 +197,12 @@ class Adjustment {
       out.cameras.push_back(withLens(problem_.cameras[u], lenses_[u]));
     for (const auto& [uav, bias] : biases_)
       out.bias_m[uav] = Eigen::Vector3d(bias[0], bias[1], bias[2]);
-    double sum = 0;
-    std::size_t count = 0;
-    for (const SparsePoint& p : points)
-      for (const auto& o : p.observations) {
-        const FeatureSet& features = *graph_.photo(o.frame).features;
-        const Eigen::Vector2d e =
-            cameraOf(o.frame).project(out.T_world_cam.at(o.frame).inverse() * p.position_m) -
-            features.pixel[static_cast<std::size_t>(o.feature)].cast<double>();
-        sum += e.squaredNorm() / (features.pixel_size * features.pixel_size);
-        ++count;
-      }
-    out.reprojection_rms_px = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+    out.reprojection_rms_px = reprojectionRmsPx(graph_, points, posed());
     out.points = std::move(points);
     return out;
   }
 
  private:
-  static constexpr double kMinAngle = 0.01;  ///< between rays, for a depth worth having [rad]
-
   static Eigen::Isometry3d poseOf(const PoseBlock& block) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = Eigen::Quaterniond(block.q[0], block.q[1], block.q[2], block.q[3])
@@ -268,18 +212,11 @@ class Adjustment {
     return T;
   }
 
-  CameraModel cameraOf(FrameId id) const {
-    return withLens(graph_.photo(id).camera, lenses_[id.uav]);
-  }
-
-  SparsePoint pointOf(const Track& track, const Eigen::Vector3d& position) const {
-    SparsePoint point;
-    point.position_m = position;
-    point.observations = track;
-    const auto& first = track.front();
-    const std::uint8_t* bgr = graph_.photo(first.frame).features->colour.data() + 3 * first.feature;
-    std::copy(bgr, bgr + 3, point.bgr);
-    return point;
+  std::map<FrameId, PosedPhoto> posed() const {
+    std::map<FrameId, PosedPhoto> photos;
+    for (const auto& [id, block] : poses_)
+      photos[id] = {poseOf(block), withLens(graph_.photo(id).camera, lenses_[id.uav])};
+    return photos;
   }
 
   /// Points for the adjustment: the longest tracks first, those that cross UAVs before others,

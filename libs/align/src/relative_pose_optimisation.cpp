@@ -313,10 +313,6 @@ class Optimisation {
 }  // namespace
 
 void RelativePoseOptions::visit(OptionVisitor& v) {
-  v.number("bias_horizontal_m", bias_horizontal_m, {1e-3, 1000},
-           "standard deviation of one UAV's constant horizontal GNSS error [m]");
-  v.number("bias_vertical_m", bias_vertical_m, {1e-3, 1000},
-           "standard deviation of one UAV's constant vertical GNSS error [m]");
   v.number("rotation_prior_deg", rotation_prior_deg, {1e-3, 180},
            "standard deviation of a georeferenced segment's attitude [deg]");
   v.number("scale_prior", scale_prior, {1e-4, 10},

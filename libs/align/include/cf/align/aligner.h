@@ -11,6 +11,7 @@
 #include "cf/align/joint_adjustment.h"
 #include "cf/align/match_graph.h"
 #include "cf/align/pair_observation.h"
+#include "cf/align/relative_pose_optimisation.h"
 #include "cf/align/segment_joining.h"
 #include "cf/base/options.h"
 #include "cf/types/pose_table.h"
@@ -22,6 +23,7 @@ struct AlignOptions {
   CandidateOptions candidates;
   PairOptions pair;
   JointOptions joint;
+  RelativePoseOptions relative;  ///< its bias sigmas are those of `joint`
 
   void visit(OptionVisitor& v);
 };
@@ -37,8 +39,14 @@ struct Alignment {
   double reprojection_rms_px = 0;  ///< at the feature size
 };
 
-/// The central node's alignment of all UAVs. Keyframes are collected; solve() may be called at any
-/// time, each time with the newest georeference, and repeats no matching.
+/// The central node's alignment of all UAVs, by `method`:
+/// - joint: segments are joined (segment_joining.h), then one bundle adjustment over all photos
+///   (joint_adjustment.h) moves poses, points and cameras.
+/// - homography: the paper's relative poses, equations (7)-(9), move each segment as a whole
+///   (relative_pose_optimisation.h); cameras stay, points are triangulated from the result.
+/// Either way the strongest relative poses between UAVs are observed and reported. Keyframes are
+/// collected; solve() may be called at any time, each time with the newest georeference, and
+/// repeats no matching.
 class Aligner {
  public:
   Aligner(const AlignOptions& options, std::uint16_t center);

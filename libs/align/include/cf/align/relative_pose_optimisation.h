@@ -16,8 +16,9 @@ namespace cf {
 
 /// How relative poses move the segments of all UAVs onto each other (`method = homography`).
 struct RelativePoseOptions {
-  double bias_horizontal_m = 3;    ///< sigma of the constant GNSS error of one UAV
-  double bias_vertical_m = 8;      ///< the same, height
+  /// Sigma of the constant GNSS error of one UAV; under `method = homography` the keys
+  /// `bias_sigma_horizontal_m` and `bias_sigma_vertical_m`, which the joint adjustment shares.
+  double bias_horizontal_m = 3, bias_vertical_m = 10;
   double rotation_prior_deg = 10;  ///< sigma of a georeferenced segment's attitude
   double scale_prior = 0.2;        ///< relative sigma of its scale, the fixes apart
   double loss = 3;                 ///< whitened residual at which an observation loses weight

@@ -18,8 +18,8 @@ struct PoseTable {
   struct Entry {
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
     Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-    ///< translation [m], rotation vector [rad], both in world (left perturbation)
-    int component = 0;  ///< photos joined by matches share one; 0 holds the central UAV
+    ///< translation [m], rotation vector [rad], both in world (left perturbation); zero = unknown
+    int component = 0;          ///< photos joined by matches share one; 0 holds the central UAV
     double median_depth_m = 0;  ///< of its triangulated features; 0 = unknown
     /// 5th and 95th percentile of those depths, for the search range of dense matching.
     double near_depth_m = 0, far_depth_m = 0;
@@ -46,10 +46,11 @@ struct SparsePoint {
 struct RelativePose {
   FrameId a, b;
   int inliers = 0;
-  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< metres
+  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< metres, by the map's scale
   Eigen::Matrix<double, 6, 1> sigma = Eigen::Matrix<double, 6, 1>::Zero();  ///< t [m], r [rad]
-  double residual_before = 0;  ///< of the observation against the georeferenced poses [m]
-  double residual_after = 0;   ///< against the final PoseTable [m]
+  /// Of the translation against the georeferenced poses [m]; 0 where one is not georeferenced.
+  double residual_before = 0;
+  double residual_after = 0;  ///< against the final PoseTable [m]
 };
 
 }  // namespace cf
