@@ -59,6 +59,12 @@ class OptionReader : public OptionVisitor {
     take(key, value, help, "text", plainText,
          [](const std::string& text) { return Result<std::string>(text); });
   }
+  /// Absolute from here on, so that the effective configuration means the same anywhere.
+  void path(const char* key, std::string& value, const char* help) override {
+    take(key, value, help, "path", plainText, [&](const std::string& text) {
+      return Result<std::string>(text.empty() ? text : config_.resolve(text).string());
+    });
+  }
   void choice(const char* key, std::string& value, const std::vector<std::string>& allowed,
               const char* help) override {
     take(key, value, help, fmt::format("{}", fmt::join(allowed, ", ")), plainText,

@@ -29,6 +29,28 @@ namespace cf {
 namespace fs = std::filesystem;
 namespace {
 
+/// Files of an earlier result. The folder may hold other things too, photos even: what we have not
+/// written stays.
+void removeEarlierResult(const fs::path& outdir) {
+  constexpr std::pair<const char*, const char*> kFiles[] = {
+      {"images", ".csv"},       {"trajectories", ".tum"}, {"trajectories", ".csv"},
+      {"trajectories", ".kml"}, {"cameras", ".ini"},      {"trajectories", ".geojson"},
+      {"scale", ".csv"},        {"graphs", ".graph"},     {"cloud", ".ply"},
+      {"cloud", ".json"},       {"cloud/tiles", ".pcd"},  {"snapshots", ".png"}};
+  std::vector<fs::path> files;
+  for (const char* name : {"report.json", "report.html", "world.json", "relative_poses.csv",
+                           "octomap.ot", "octomap.bt", "map.3Dscene"})
+    files.push_back(outdir / name);
+  std::error_code error;
+  for (const auto& [folder, extension] : kFiles)
+    for (const auto& item : fs::directory_iterator(outdir / folder, error))
+      if (item.path().extension() == extension) files.push_back(item.path());
+  for (const fs::path& file : files) {
+    fs::remove(file, error);
+    if (error) throw RunError(file.string() + " cannot be replaced: " + error.message());
+  }
+}
+
 /// The output folder exists, is writable, and holds no result that nobody asked to replace.
 void prepareOutput(const FlightRunRequest& request) {
   const fs::path& outdir = request.outdir;
@@ -37,14 +59,12 @@ void prepareOutput(const FlightRunRequest& request) {
     throw UsageError(outdir.string() + " holds an earlier result; give -w to overwrite it");
   fs::create_directories(outdir, error);
   if (error) throw RunError(outdir.string() + " cannot be made: " + error.message());
-  for (const char* earlier : {"images", "trajectories", "cameras", "scale", "graphs", "cloud",
-                              "snapshots", "report.json", "report.html"})
-    if (request.overwrite) fs::remove_all(outdir / earlier, error);
+  if (request.overwrite) removeEarlierResult(outdir);
 }
 
 UavRecording readUav(const Config& config, const UavOptions& options, std::uint16_t uav) {
-  UavRecording recording =
-      readRecording(config.resolve(options.rawlog), {options.image_label, options.gnss_label});
+  const fs::path rawlog = config.resolve(options.rawlog);
+  UavRecording recording = readRecording(rawlog, {options.image_label, options.gnss_label});
   if (!options.sigma.empty()) {
     const auto sigma = parseNumbers(options.sigma, 2, "[uav." + options.name + "] sigma");
     for (GnssFix& fix : recording.fixes) fix.sigma_enu_m = {sigma[0], sigma[0], sigma[1]};
@@ -53,7 +73,13 @@ UavRecording readUav(const Config& config, const UavOptions& options, std::uint1
   if (!options.camera.empty()) camera = readCameraIni(config.resolve(options.camera));
   for (ImageFrame& photo : recording.photos) {
     photo.id.uav = uav;
-    if (camera) photo.camera = camera->scaled(photo.camera.width, photo.camera.height);
+    if (camera)
+      photo.camera = photo.camera.width > 0
+                         ? camera->scaled(photo.camera.width, photo.camera.height)
+                         : *camera;
+    if (!(photo.camera.fx > 0) || photo.camera.width <= 0 || photo.camera.height <= 0)
+      throw UsageError(fmt::format("{}: photo {} has no calibration: give [uav.{}] camera = FILE",
+                                   rawlog.string(), photo.name, options.name));
   }
   return recording;
 }

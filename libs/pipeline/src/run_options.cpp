@@ -22,11 +22,11 @@ void ClusterOptions::visit(OptionVisitor& v) {
 }
 
 void UavOptions::visit(OptionVisitor& v) {
-  v.text("rawlog", rawlog, "MRPT rawlog, relative to this file");
+  v.path("rawlog", rawlog, "MRPT rawlog, relative to this file");
   v.text("image_label", image_label, "sensor label of the camera, where there are several");
   v.text("gnss_label", gnss_label, "sensor label of the receiver, where there are several");
   v.text("sigma", sigma, "H,V: standard deviation of the fixes [m], instead of the rawlog's");
-  v.text("camera", camera, "ini with a calibration, instead of the rawlog's");
+  v.path("camera", camera, "ini with a calibration, instead of the rawlog's");
 }
 
 void PlaybackOptions::visit(OptionVisitor& v) {
@@ -42,6 +42,20 @@ void SystemOptions::visit(OptionVisitor& v) {
   v.integer("threads", threads, {0, 1024}, "0 = one for each core");
 }
 
+namespace {
+
+void checkUav(const UavOptions& uav, const std::string& where) {
+  if (uav.rawlog.empty()) throw UsageError(where + "needs rawlog = FILE");
+  if (uav.name.empty() || uav.name.find('/') != std::string::npos)
+    throw UsageError(where + "names a UAV; the name becomes a file name and may not hold '/'");
+  if (uav.sigma.empty()) return;
+  const auto sigma = parseNumbers(uav.sigma, 2, where + "sigma");
+  if (!(sigma[0] > 0) || !(sigma[1] > 0))
+    throw UsageError(where + "sigma = " + uav.sigma + " should be two numbers of metres above 0");
+}
+
+}  // namespace
+
 RunOptions loadRunOptions(Config& config) {
   RunOptions options;
   config.load("world", options.world);
@@ -50,11 +64,6 @@ RunOptions loadRunOptions(Config& config) {
     UavOptions uav;
     uav.name = section.substr(4);
     config.load(section, uav);
-    const std::string where = config.file().string() + ": [" + section + "] ";
-    if (uav.rawlog.empty()) throw UsageError(where + "needs rawlog = FILE");
-    if (uav.name.empty() || uav.name.find('/') != std::string::npos)
-      throw UsageError(where + "names a UAV; the name becomes a file name and may not hold '/'");
-    if (!uav.sigma.empty()) parseNumbers(uav.sigma, 2, where + "sigma");
     options.uavs.push_back(uav);
   }
   config.load("playback", options.playback);
@@ -68,6 +77,7 @@ RunOptions loadRunOptions(Config& config) {
   config.load("system", options.system);
   config.rejectUnknown();
   const std::string file = config.file().string();
+  for (const UavOptions& uav : options.uavs) checkUav(uav, file + ": [uav." + uav.name + "] ");
   if (options.uavs.empty())
     throw UsageError(file + ": no [uav.NAME] section: nothing to play (cf-import writes them)");
   if (options.cluster.center.empty()) options.cluster.center = options.uavs.front().name;

@@ -227,7 +227,7 @@ std::vector<ImageFrame> photosOf(const Observations& all, const fs::path& rawlog
       warnings.push_back(fmt::format("{}: {} {}", rawlog.filename().string(), count, what));
   };
   warn(embedded, "images are stored inside the rawlog and left out: store them externally");
-  warn(uncalibrated, "images have no calibration: name a camera file for this UAV");
+  warn(uncalibrated, "images have no calibration of their own");
   warn(fisheye, "images have a fisheye calibration: its distortion is taken as zero");
   std::stable_sort(photos.begin(), photos.end(),
                    [](const ImageFrame& a, const ImageFrame& b) { return a.time < b.time; });

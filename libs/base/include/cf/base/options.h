@@ -24,6 +24,10 @@ class OptionVisitor {
   virtual void integer(const char* key, int& value, Range range, const char* help) = 0;
   virtual void flag(const char* key, bool& value, const char* help) = 0;
   virtual void text(const char* key, std::string& value, const char* help) = 0;
+  /// A file, relative ones counted from the configuration's folder.
+  virtual void path(const char* key, std::string& value, const char* help) {
+    text(key, value, help);
+  }
   virtual void choice(const char* key, std::string& value, const std::vector<std::string>& allowed,
                       const char* help) = 0;
 };

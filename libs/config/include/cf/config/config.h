@@ -43,8 +43,8 @@ class Config {
   /// known.
   void rejectUnknown() const;
 
-  /// All loaded sections and keys with their values, in the order of loading: an ini that gives the
-  /// same options again.
+  /// All loaded sections and keys with their values, in the order of loading, paths absolute: an
+  /// ini that gives the same options again, wherever it lies.
   std::string effectiveText() const;
 
   /// All loaded sections as Markdown, a table each: key, default, allowed values, help.
