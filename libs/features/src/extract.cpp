@@ -3,49 +3,80 @@
 #include "cf/features/extract.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
-#include <opencv2/features2d.hpp>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
+#include <utility>
+
+#include "describe.h"
+#include "extrema.h"
+#include "scale_space.h"
 
 namespace cf {
 namespace {
 
+constexpr double kMostEnlarged = 2;   ///< there is no more to find in a small photo
+constexpr double kCameraSigma = 0.5;  ///< blur of a photo as taken [px] (Lowe 2004, section 3.3)
+constexpr int kLeastSide = 32;        ///< of an octave [px]
+
+using sift::Keypoint;
+using sift::Plane;
+
+/// The photo at the size that is searched: larger ones reduced, smaller ones enlarged.
 cv::Mat greyAtWorkingSize(const cv::Mat& bgr, double megapixels) {
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  const double factor = std::sqrt(megapixels * 1e6 / static_cast<double>(grey.total()));
-  if (factor >= 1) return grey;
-  cv::Mat reduced;
-  cv::resize(grey, reduced,
-             cv::Size(static_cast<int>(std::lround(grey.cols * factor)),
-                      static_cast<int>(std::lround(grey.rows * factor))),
-             0, 0, cv::INTER_AREA);
-  return reduced;
+  const double factor =
+      std::min(kMostEnlarged, std::sqrt(megapixels * 1e6 / static_cast<double>(grey.total())));
+  const cv::Size size(static_cast<int>(std::lround(grey.cols * factor)),
+                      static_cast<int>(std::lround(grey.rows * factor)));
+  if (size == grey.size()) return grey;
+  cv::Mat resized;
+  cv::resize(grey, resized, size, 0, 0, factor < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return resized;
 }
 
-/// The strongest of every grid cell, then the second strongest of every cell, and so on until
-/// `wanted` are taken. Ties are broken by position, so the result has one order.
-std::vector<int> spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size size, int wanted) {
-  const int columns = 16, rows = std::max(1, 16 * size.height / size.width);
-  std::vector<std::vector<int>> cells(static_cast<std::size_t>(columns * rows));
-  for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const int cx =
-        std::clamp(static_cast<int>(keypoints[i].pt.x * columns / size.width), 0, columns - 1);
-    const int cy =
-        std::clamp(static_cast<int>(keypoints[i].pt.y * rows / size.height), 0, rows - 1);
-    cells[static_cast<std::size_t>(cy * columns + cx)].push_back(static_cast<int>(i));
+Plane planeOf(const cv::Mat& grey) {
+  Plane plane(grey.cols, grey.rows);
+  for (int y = 0; y < grey.rows; ++y) {
+    const std::uint8_t* from = grey.ptr<std::uint8_t>(y);
+    float* to = plane.row(y);
+    for (int x = 0; x < grey.cols; ++x) to[x] = static_cast<float>(from[x]) / 255;
   }
-  const auto stronger = [&](int i, int j) {
-    const auto& a = keypoints[static_cast<std::size_t>(i)];
-    const auto& b = keypoints[static_cast<std::size_t>(j)];
-    if (a.response != b.response) return a.response > b.response;
-    if (a.pt.y != b.pt.y) return a.pt.y < b.pt.y;
-    if (a.pt.x != b.pt.x) return a.pt.x < b.pt.x;
-    return i < j;
+  return plane;
+}
+
+/// Pixels of the searched image per pixel of an octave.
+float octavePixel(const Keypoint& k) { return static_cast<float>(1 << k.octave); }
+
+/// The strongest of every grid cell, then the second strongest of every cell, and so on. Ties are
+/// broken by position, so the result has one order.
+std::vector<Keypoint> spread(const std::vector<Keypoint>& keypoints, cv::Size size, int wanted) {
+  const int columns = 16, rows = std::max(1, 16 * size.height / size.width);
+  std::vector<std::vector<Keypoint>> cells(static_cast<std::size_t>(columns * rows));
+  for (const Keypoint& k : keypoints) {
+    const auto cellAt = [&](float at, int cells_across, int pixels) {
+      return std::clamp(static_cast<int>(at * octavePixel(k)) * cells_across / pixels, 0,
+                        cells_across - 1);
+    };
+    const int cell = cellAt(k.y, rows, size.height) * columns + cellAt(k.x, columns, size.width);
+    cells[static_cast<std::size_t>(cell)].push_back(k);
+  }
+  const auto order = [](const Keypoint& k) {
+    return std::make_tuple(-k.response, k.octave, k.y, k.x, k.level);
   };
-  for (auto& cell : cells) std::sort(cell.begin(), cell.end(), stronger);
-  std::vector<int> chosen;
+  for (auto& cell : cells) {
+    std::sort(cell.begin(), cell.end(),
+              [&](const Keypoint& a, const Keypoint& b) { return order(a) < order(b); });
+    // Two neighbours of one value are both extrema, and fit the same one.
+    cell.erase(
+        std::unique(cell.begin(), cell.end(),
+                    [&](const Keypoint& a, const Keypoint& b) { return order(a) == order(b); }),
+        cell.end());
+  }
+  std::vector<Keypoint> chosen;
   for (std::size_t rank = 0; static_cast<int>(chosen.size()) < wanted; ++rank) {
     const std::size_t before = chosen.size();
     for (const auto& cell : cells)
@@ -53,7 +84,6 @@ std::vector<int> spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size siz
         chosen.push_back(cell[rank]);
     if (chosen.size() == before) break;
   }
-  std::sort(chosen.begin(), chosen.end());
   return chosen;
 }
 
@@ -67,32 +97,46 @@ void FeatureOptions::visit(OptionVisitor& v) {
 
 FeatureSet extractFeatures(const ImageFrame& frame, const FeatureOptions& options) {
   const cv::Mat grey = greyAtWorkingSize(frame.image, options.megapixels);
-  // Three times as many as wanted by strength, from which the even spread chooses.
-  const auto sift = cv::SIFT::create(3 * options.max_features, 3, options.contrast, 10, 1.6);
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
-  sift->detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
+  const double enlarged = std::max(1.0, static_cast<double>(grey.cols) / frame.image.cols);
+
+  // Of the octaves only the levels that keypoints are described on are kept.
+  std::vector<std::array<Plane, sift::kScales>> described;
+  std::vector<Keypoint> keypoints;
+  sift::Octave octave = sift::firstOctave(planeOf(grey), kCameraSigma * enlarged);
+  for (int o = 0;; ++o) {
+    sift::findExtrema(octave, o, options.contrast, keypoints);
+    const bool last = std::min(octave[0].width(), octave[0].height()) < 2 * kLeastSide;
+    sift::Octave next = last ? sift::Octave{} : sift::nextOctave(octave);
+    described.push_back({std::move(octave[1]), std::move(octave[2]), std::move(octave[3])});
+    if (last) break;
+    octave = std::move(next);
+  }
 
   const double sx = static_cast<double>(frame.camera.width) / grey.cols;
   const double sy = static_cast<double>(frame.camera.height) / grey.rows;
   FeatureSet set;
-  set.pixel_size = sx;
-  for (const int index : spread(keypoints, grey.size(), options.max_features)) {
-    const cv::KeyPoint& k = keypoints[static_cast<std::size_t>(index)];
-    set.pixel.emplace_back(static_cast<float>((k.pt.x + 0.5) * sx - 0.5),
-                           static_cast<float>((k.pt.y + 0.5) * sy - 0.5));
-    set.scale_px.push_back(static_cast<float>(k.size * sx));
-    const float* d = descriptors.ptr<float>(index);
-    const float sum = std::max(1e-6f, std::accumulate(d, d + FeatureSet::kDescriptorSize, 0.0f));
-    for (int i = 0; i < FeatureSet::kDescriptorSize; ++i)
-      set.descriptor.push_back(static_cast<std::uint8_t>(
-          std::min(255L, std::lround(512.0f * std::sqrt(std::max(0.0f, d[i]) / sum)))));
-    const int px = std::clamp(static_cast<int>(k.pt.x * frame.image.cols / grey.cols), 0,
+  set.pixel_size = std::max(1.0, sx);
+  for (const Keypoint& k : spread(keypoints, grey.size(), options.max_features)) {
+    const auto nearest = std::clamp(std::lround(k.level), 1L, static_cast<long>(sift::kScales));
+    const Plane& level =
+        described[static_cast<std::size_t>(k.octave)][static_cast<std::size_t>(nearest - 1)];
+    const double x = k.x * octavePixel(k), y = k.y * octavePixel(k);
+    const int px = std::clamp(static_cast<int>((x + 0.5) * frame.image.cols / grey.cols), 0,
                               frame.image.cols - 1);
-    const int py = std::clamp(static_cast<int>(k.pt.y * frame.image.rows / grey.rows), 0,
+    const int py = std::clamp(static_cast<int>((y + 0.5) * frame.image.rows / grey.rows), 0,
                               frame.image.rows - 1);
     const auto& bgr = frame.image.at<cv::Vec3b>(py, px);
-    set.colour.insert(set.colour.end(), {bgr[0], bgr[1], bgr[2]});
+    for (const float orientation : sift::orientations(level, k)) {
+      if (static_cast<int>(set.size()) >= options.max_features) break;
+      set.pixel.emplace_back(static_cast<float>((x + 0.5) * sx - 0.5),
+                             static_cast<float>((y + 0.5) * sy - 0.5));
+      set.scale_px.push_back(
+          static_cast<float>(2 * sift::sigmaOfLevel(k.level) * octavePixel(k) * sx));
+      const std::size_t end = set.descriptor.size();
+      set.descriptor.resize(end + FeatureSet::kDescriptorSize);
+      sift::describe(level, k, orientation, set.descriptor.data() + end);
+      set.colour.insert(set.colour.end(), {bgr[0], bgr[1], bgr[2]});
+    }
   }
   return set;
 }
