@@ -7,62 +7,21 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <opencv2/imgproc.hpp>
 
+#include "census.h"
 #include "cf/densify/stereo_matcher.h"
-
-// The hot loops are compiled for several instruction sets and chosen at run time. They hold
-// integers only, so that every choice gives the same result.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define CF_CLONES
-#endif
-#define CF_INLINE inline __attribute__((always_inline))
+#include "lanes.h"
 
 namespace cf {
 namespace {
 
-using Cost = std::int16_t;
-
-// Sixteen at a time, in the compiler's own vector notation.
-constexpr int kLanes = TileRanges::kCountStep;
-using Lanes = Cost __attribute__((vector_size(2 * kLanes)));
-using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes)));
+static_assert(TileRanges::kCountStep == kLanes);
 
 constexpr Cost kFar = 0x3FFF;     // path cost of a disparity that was not searched
 constexpr int kOutsideCost = 16;  // of a match beyond the partner image: as for unlike pixels
-constexpr int kCensusX = 4, kCensusY = 3;
 constexpr std::size_t kMaxCells = 10'000'000;  // of the cost volume held at once: 30 MB
 constexpr int kBandOverlap = 24;               // rows
-constexpr int kPaths = 4;  // in one sweep: along the row and from three of the last row
-
-CF_CLONES void censusRow(const uchar* const* rows, int width, std::uint32_t* census) {
-  std::fill_n(census, width, 0U);
-  for (int dy = 0; dy <= kCensusY; ++dy) {
-    for (int dx = -kCensusX; dx <= kCensusX; ++dx) {
-      if (dy == 0 && dx <= 0) continue;
-      const uchar* below = rows[kCensusY + dy] + dx;
-      const uchar* above = rows[kCensusY - dy] - dx;
-      for (int u = 0; u < width; ++u) {
-        census[u] = (census[u] << 1) | static_cast<std::uint32_t>(below[u] > above[u]);
-      }
-    }
-  }
-}
-
-/// One bit for each of the 31 pairs of pixels opposite each other about the centre.
-cv::Mat census(const cv::Mat& image) {
-  cv::Mat padded;
-  cv::copyMakeBorder(image, padded, kCensusY, kCensusY, kCensusX, kCensusX, cv::BORDER_REPLICATE);
-  cv::Mat out(image.size(), CV_32S);
-  for (int v = 0; v < image.rows; ++v) {
-    const uchar* rows[2 * kCensusY + 1];
-    for (int k = 0; k < 2 * kCensusY + 1; ++k) rows[k] = padded.ptr<uchar>(v + k) + kCensusX;
-    censusRow(rows, image.cols, reinterpret_cast<std::uint32_t*>(out.ptr<int>(v)));
-  }
-  return out;
-}
+constexpr int kPaths = 2;                      // in one sweep: along the row and from the last
 
 /// Where the disparities of one row's pixels lie in its part of the cost volume.
 struct RowLayout {
@@ -115,19 +74,6 @@ CF_CLONES void matchingCostRow(const std::uint32_t* reference, const std::uint32
   }
 }
 
-template <class V>
-CF_INLINE V load(const void* from) {
-  V value;
-  std::memcpy(&value, from, sizeof value);
-  return value;
-}
-CF_INLINE Lanes lesser(Lanes a, Lanes b) { return a < b ? a : b; }
-CF_INLINE Cost leastOf(Lanes lanes) {
-  Cost least = lanes[0];
-  for (int k = 1; k < kLanes; ++k) least = std::min<Cost>(least, lanes[k]);
-  return least;
-}
-
 /// One step of one path: `before` holds the costs of the pixel before at this pixel's disparities.
 /// Without one (`before` null) the path starts here.
 template <bool kAdd>
@@ -147,6 +93,14 @@ CF_INLINE Cost pathStep(const std::uint8_t* cost, const Cost* before, Cost least
     std::memcpy(sum + d, &total, sizeof total);
   }
   return leastOf(least);
+}
+
+/// The same step where all disparities fit one vector.
+CF_INLINE Lanes pathStep(Lanes cost, Lanes centre, Lanes below, Lanes above, Cost least_before,
+                         Cost small, Cost large) {
+  const Lanes beside = lesser(below, above) + small;
+  const Lanes jump = Lanes{} + static_cast<Cost>(least_before + large);
+  return cost + lesser(lesser(centre, beside), jump) - least_before;
 }
 
 /// `from`'s path costs at the disparities [min, min + n) and one more at both ends.
@@ -169,7 +123,7 @@ struct Sweep {
   std::vector<Cost> scratch;
 };
 
-/// Adds the four path costs of row v to `sum`. `last_layout` is null in the sweep's first row.
+/// Adds the two path costs of row v to `sum`. `last_layout` is null in the sweep's first row.
 CF_CLONES void sweepRow(Sweep& sweep, int v, const RowLayout& layout, const RowLayout* last_layout,
                         const std::uint8_t* cost, Cost* sum) {
   const int width = static_cast<int>(layout.min.size());
@@ -177,36 +131,64 @@ CF_CLONES void sweepRow(Sweep& sweep, int v, const RowLayout& layout, const RowL
   const auto small = static_cast<Cost>(sweep.penalties.small);
   const uchar* grey = sweep.grey.ptr<uchar>(v);
   const uchar* grey_last = last_layout ? sweep.grey.ptr<uchar>(v - step) : grey;
+  // Path costs of the pixel before along the row, kept in a register where they fit one: they
+  // would come back from memory late.
+  Lanes along{};
+  int along_min = 0;
+  bool has_along = false;
   for (int i = 0; i < width; ++i) {
     const int u = step > 0 ? i : width - 1 - i;
     const auto k = static_cast<std::size_t>(u);
     const int n = layout.count[k], min = layout.min[k];
+    const bool had_along = has_along && along_min == min;
+    has_along = false;
+    if (n == 0) continue;
     const std::uint8_t* c = cost + layout.start[k];
     Cost* s = sum + layout.start[k];
+    // Path 0 comes along the row, path 1 from the last row.
     for (int path = 0; path < kPaths; ++path) {
       PathRow& row = sweep.now[path];
+      const PathRow& from_row = path == 0 ? row : sweep.last[path];
+      const RowLayout* from_layout = path == 0 ? &layout : last_layout;
+      const int from = path == 0 ? u - step : u;
+      const auto q = static_cast<std::size_t>(from);
       Cost* out = row.cost.data() + layout.slot(u);
       out[-1] = out[n] = kFar;
-      // Path 0 comes along the row, paths 1 to 3 from the last row: straight and both diagonals.
-      const int from = path == 0 ? u - step : u + path - 2;
-      const RowLayout* from_layout = path == 0 ? &layout : last_layout;
-      if (!from_layout || from < 0 || from >= width) {
-        row.least[k] = step > 0 && path == 0 ? pathStep<false>(c, nullptr, 0, n, small, 0, out, s)
-                                             : pathStep<true>(c, nullptr, 0, n, small, 0, out, s);
+      const bool sets = step > 0 && path == 0;  // the first of all paths sets the sum
+      if (!from_layout || from < 0 || from >= width || from_layout->count[q] == 0) {
+        row.least[k] = sets ? pathStep<false>(c, nullptr, 0, n, small, 0, out, s)
+                            : pathStep<true>(c, nullptr, 0, n, small, 0, out, s);
         continue;
       }
-      const PathRow& from_row = path == 0 ? row : sweep.last[path];
-      const auto q = static_cast<std::size_t>(from);
-      const Cost* before =
-          aligned(from_row.cost.data() + from_layout->slot(from), from_layout->min[q],
-                  from_layout->count[q], min, n, sweep.scratch.data());
       const int change = std::abs(grey[u] - (path == 0 ? grey[from] : grey_last[from]));
       const auto large =
           static_cast<Cost>(std::max(sweep.penalties.large_floor, sweep.penalties.large - change));
-      // The first of all eight paths sets the sum.
-      row.least[k] = step > 0 && path == 0
-                         ? pathStep<false>(c, before, from_row.least[q], n, small, large, out, s)
-                         : pathStep<true>(c, before, from_row.least[q], n, small, large, out, s);
+      const Cost least = from_row.least[q];
+      const bool in_register = path == 0 && had_along;
+      const Cost* before =
+          in_register ? nullptr
+                      : aligned(from_row.cost.data() + from_layout->slot(from), from_layout->min[q],
+                                from_layout->count[q], min, n, sweep.scratch.data());
+      if (n != kLanes) {
+        row.least[k] = sets ? pathStep<false>(c, before, least, n, small, large, out, s)
+                            : pathStep<true>(c, before, least, n, small, large, out, s);
+        continue;
+      }
+      const Lanes matching = __builtin_convertvector(load<ByteLanes>(c), Lanes);
+      const Lanes value = in_register
+                              ? pathStep(matching, along, fromBelow(along, kFar),
+                                         fromAbove(along, kFar), least, small, large)
+                              : pathStep(matching, load<Lanes>(before), load<Lanes>(before - 1),
+                                         load<Lanes>(before + 1), least, small, large);
+      std::memcpy(out, &value, sizeof value);
+      row.least[k] = leastOf(value);
+      const Lanes total = sets ? value : load<Lanes>(s) + value;
+      std::memcpy(s, &total, sizeof total);
+      if (path == 0) {
+        along = value;
+        along_min = min;
+        has_along = true;
+      }
     }
   }
 }
@@ -216,17 +198,19 @@ CF_INLINE int winnerOf(const Cost* sum, int n) {
   Lanes least = load<Lanes>(sum);
   for (int d = kLanes; d < n; d += kLanes) least = lesser(least, load<Lanes>(sum + d));
   const Cost value = leastOf(least);
-  int d = 0;
-  while (sum[d] != value) ++d;
-  return d;
+  // Of several, the first.
+  const Lanes order = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  for (int d = 0;; d += kLanes) {
+    const Cost at = leastOf(load<Lanes>(sum + d) == Lanes{} + value ? order : Lanes{} + kLanes);
+    if (at < kLanes) return d + at;
+  }
 }
 
 /// Is every sum but those beside the winner above the limit?
 CF_INLINE bool isUnique(const Cost* sum, int n, int winner, Cost limit) {
   Lanes rivals{};
   for (int d = 0; d < n; d += kLanes) rivals -= load<Lanes>(sum + d) <= Lanes{} + limit;
-  int count = 0;
-  for (int k = 0; k < kLanes; ++k) count += rivals[k];
+  int count = sumOf(rivals);
   for (int d = std::max(0, winner - 1); d <= std::min(n - 1, winner + 1); ++d) {
     count -= sum[d] <= limit;
   }
@@ -270,6 +254,7 @@ class RowWinner {
       disparity[u] = kNoDisparity;
       const Cost* s = sum + layout.start[k];
       const int n = layout.count[k], d = best_[k];
+      if (n == 0) continue;
       const int x = u - layout.min[k] - d;
       if (x < 0 || x >= partner_width_) continue;
       const int mutual = partner_match_[static_cast<std::size_t>(partner_width_ - 1 - x)];
@@ -288,6 +273,7 @@ class RowWinner {
       const auto k = static_cast<std::size_t>(u);
       const Cost* s = sum + layout.start[k];
       const int n = layout.count[k];
+      if (n == 0) continue;
       best_[k] = winnerOf(s, n);
       int first = partner_width_ - 1 - (u - layout.min[k]), d0 = 0;
       if (first < 0) {
@@ -306,11 +292,26 @@ class RowWinner {
   std::vector<Cost> partner_least_, partner_match_;
 };
 
+/// The cost volume of a band: matching costs and sums of path costs. Not initialised: each is
+/// written before it is read, and they are large.
+struct BandVolume {
+  std::unique_ptr<std::uint8_t[]> cost;
+  std::unique_ptr<Cost[]> sum;
+  std::size_t cells = 0;
+
+  void reserve(std::size_t wanted) {
+    if (wanted <= cells) return;
+    cells = wanted;
+    cost.reset(new std::uint8_t[cells]);
+    sum.reset(new Cost[cells]);
+  }
+};
+
 /// The rows [first, end) as if they were the whole image; writes the winners of [keep, keep_end).
 void matchBand(const cv::Mat& reference, const cv::Mat& census_reference,
                const cv::Mat& census_partner, const std::vector<RowLayout>& layouts,
                const SemiGlobalPenalties& penalties, cv::Range band, cv::Range keep,
-               cv::Mat& disparity) {
+               BandVolume& volume, cv::Mat& disparity) {
   const int width = reference.cols;
   const auto layoutOf = [&](int v) -> const RowLayout& {
     return layouts[static_cast<std::size_t>(v / TileRanges::kTile)];
@@ -325,9 +326,9 @@ void matchBand(const cv::Mat& reference, const cv::Mat& census_reference,
     max_slots = std::max(max_slots, layout.slots());
     max_count = std::max(max_count, *std::max_element(layout.count.begin(), layout.count.end()));
   }
-  // Not initialised: each is written before it is read, and they are large.
-  const std::unique_ptr<std::uint8_t[]> cost(new std::uint8_t[total]);
-  const std::unique_ptr<Cost[]> sum(new Cost[total]);
+  volume.reserve(total);
+  std::uint8_t* const cost = volume.cost.get();
+  Cost* const sum = volume.sum.get();
   RowWinner winner(width, census_partner.cols, max_count, penalties.uniqueness_percent);
   for (const int direction : {1, -1}) {
     Sweep sweep{reference, penalties, direction, {}, {}, {}};
@@ -371,11 +372,12 @@ cv::Mat semiGlobalMatch(const cv::Mat& reference, const cv::Mat& partner, const 
   const int bands = static_cast<int>(cells / kMaxCells) + 1;
   const int rows = (reference.rows + bands - 1) / bands;
   cv::Mat disparity(reference.size(), CV_16S);
+  BandVolume volume;
   for (int start = 0; start < reference.rows; start += rows) {
     const cv::Range keep(start, std::min(reference.rows, start + rows));
     const cv::Range band(std::max(0, keep.start - kBandOverlap),
                          std::min(reference.rows, keep.end + kBandOverlap));
-    matchBand(reference, census_reference, census_partner, layouts, penalties, band, keep,
+    matchBand(reference, census_reference, census_partner, layouts, penalties, band, keep, volume,
               disparity);
   }
   return disparity;

@@ -46,11 +46,16 @@ AreaRange rangeIn(const cv::Mat& disparity, cv::Rect area, int stride) {
     }
   }
   if (known.empty()) return range;
-  std::sort(known.begin(), known.end());
   const std::size_t outer = known.size() / kOutliers;
-  range.min = known[outer];
-  range.max = known[known.size() - 1 - outer];
-  range.median = known[known.size() / 2];
+  const auto first = known.begin(), last = known.end();
+  const auto low = first + static_cast<std::ptrdiff_t>(outer), high = last - 1 - (low - first);
+  const auto middle = first + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(first, middle, last);
+  range.median = *middle;
+  std::nth_element(first, low, middle + 1);
+  range.min = *low;
+  std::nth_element(middle, high, last);
+  range.max = *high;
   range.known = static_cast<double>(known.size()) * stride * stride / std::max(1, area.area());
   return range;
 }
@@ -96,8 +101,11 @@ TileRanges refinedRanges(const cv::Mat& coarse, const StereoInput& level) {
         range.max = range.min + kMaxSearch - 1;
       }
       const cv::Rect fine_tile(2 * tile.x, 2 * tile.y, TileRanges::kTile, TileRanges::kTile);
-      if (!matchable(level, fine_tile, range)) range.max = range.min;
       const std::size_t at = ranges.at(column, row);
+      if (!matchable(level, fine_tile, range)) {
+        ranges.count_px[at] = 0;
+        continue;
+      }
       // Aligned, so that neighbouring tiles often share their range.
       ranges.min_px[at] = static_cast<int>(std::floor(range.min / 4.0)) * 4;
       ranges.count_px[at] = TileRanges::roundedUp(range.max - ranges.min_px[at] + 1);

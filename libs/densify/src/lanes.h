@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+// The hot loops are compiled for several instruction sets and chosen at run time. They hold
+// integers only, so that every choice gives the same result.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define CF_CLONES
+#endif
+#define CF_INLINE inline __attribute__((always_inline))
+
+namespace cf {
+
+using Cost = std::int16_t;
+
+// Sixteen at a time, in the compiler's own vector notation.
+inline constexpr int kLanes = 16;
+using Lanes = Cost __attribute__((vector_size(2 * kLanes)));
+using HalfLanes = Cost __attribute__((vector_size(kLanes)));
+using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes)));
+
+template <class V>
+CF_INLINE V load(const void* from) {
+  V value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+
+template <class V>
+CF_INLINE V lesser(V a, V b) {
+  return a < b ? a : b;
+}
+
+#if defined(__clang__)
+#define CF_SHUFFLE(v, ...) __builtin_shufflevector(v, v, __VA_ARGS__)
+#else
+#define CF_SHUFFLE(v, ...) __builtin_shuffle(v, decltype(v){__VA_ARGS__})
+#endif
+
+CF_INLINE HalfLanes firstHalf(Lanes v) {
+  HalfLanes half;
+  std::memcpy(&half, &v, sizeof half);
+  return half;
+}
+CF_INLINE HalfLanes secondHalf(Lanes v) {
+  HalfLanes halves[2];
+  std::memcpy(halves, &v, sizeof v);
+  return halves[1];
+}
+
+CF_INLINE Cost leastOf(Lanes lanes) {
+  HalfLanes v = lesser(firstHalf(lanes), secondHalf(lanes));
+  v = lesser(v, CF_SHUFFLE(v, 4, 5, 6, 7, 0, 1, 2, 3));
+  v = lesser(v, CF_SHUFFLE(v, 2, 3, 0, 1, 6, 7, 4, 5));
+  v = lesser(v, CF_SHUFFLE(v, 1, 0, 3, 2, 5, 4, 7, 6));
+  return v[0];
+}
+
+CF_INLINE Cost sumOf(Lanes lanes) {
+  HalfLanes v = firstHalf(lanes) + secondHalf(lanes);
+  v += CF_SHUFFLE(v, 4, 5, 6, 7, 0, 1, 2, 3);
+  v += CF_SHUFFLE(v, 2, 3, 0, 1, 6, 7, 4, 5);
+  v += CF_SHUFFLE(v, 1, 0, 3, 2, 5, 4, 7, 6);
+  return v[0];
+}
+
+/// Each lane's lower neighbour; the first gets `first`.
+CF_INLINE Lanes fromBelow(Lanes v, Cost first) {
+  Lanes out = CF_SHUFFLE(v, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14);
+  out[0] = first;
+  return out;
+}
+/// Each lane's upper neighbour; the last gets `last`.
+CF_INLINE Lanes fromAbove(Lanes v, Cost last) {
+  Lanes out = CF_SHUFFLE(v, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0);
+  out[kLanes - 1] = last;
+  return out;
+}
+
+}  // namespace cf
