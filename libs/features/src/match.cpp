@@ -6,38 +6,64 @@
 #include <cstdint>
 #include <limits>
 
+#include "dot_tile.h"
+#include "plane.h"
+
 namespace cf {
 namespace {
 
-constexpr int kD = FeatureSet::kDescriptorSize;
+constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::max();
+constexpr std::int32_t kPadding = 1 << 30;  ///< squared norm that is farther than any descriptor
 
-/// Dot products of one row with `count` rows of 128. Integer, so every clone gives the same result.
-__attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"))) void dotRows(
-    const std::int16_t* a, const std::int16_t* rows, int count, std::int32_t* out) {
-  for (int j = 0; j < count; ++j) {
-    const std::int16_t* b = rows + static_cast<std::ptrdiff_t>(j) * kD;
-    std::int32_t sum = 0;
-    for (int k = 0; k < kD; ++k) sum += static_cast<std::int32_t>(a[k]) * b[k];
-    out[j] = sum;
+/// Squared norms, padded to whole tiles.
+std::vector<std::int32_t> squaredNorms(const FeatureSet& set, int padded) {
+  std::vector<std::int32_t> norms(static_cast<std::size_t>(padded), kPadding);
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    norms[i] = 0;
+    for (int k = 0; k < FeatureSet::kDescriptorSize; ++k) {
+      const std::int32_t v = set.row(i)[k];
+      norms[i] += v * v;
+    }
+  }
+  return norms;
+}
+
+/// Nearest and second nearest of one descriptor of a among every 32nd of b.
+struct RowBest {
+  std::int32_t best[kTileColumns], second[kTileColumns], tile[kTileColumns];
+};
+
+/// Squared distances from the products, entered into the bests of the tile's row and columns. The
+/// first of equals stays.
+CF_CLONES void enter(const std::int32_t* dots, std::int32_t row_norm, int row, int tile,
+                     const std::int32_t* column_norm, RowBest& row_best, std::int32_t* column_best,
+                     std::int32_t* column_row) {
+  for (int c = 0; c < kTileColumns; ++c) {
+    const std::int32_t d = row_norm + column_norm[c] - 2 * dots[c];
+    const std::int32_t best = row_best.best[c], second = row_best.second[c];
+    const std::int32_t loser = d < best ? best : d;
+    row_best.second[c] = loser < second ? loser : second;
+    row_best.tile[c] = d < best ? tile : row_best.tile[c];
+    row_best.best[c] = d < best ? d : best;
+    column_row[c] = d < column_best[c] ? row : column_row[c];
+    column_best[c] = d < column_best[c] ? d : column_best[c];
   }
 }
 
-struct Widened {
-  std::vector<std::int16_t> rows;
-  std::vector<std::int32_t> squared_norm;
-
-  explicit Widened(const FeatureSet& set)
-      : rows(set.descriptor.begin(), set.descriptor.end()), squared_norm(set.size()) {
-    for (std::size_t i = 0; i < set.size(); ++i) {
-      std::int32_t sum = 0;
-      for (int k = 0; k < kD; ++k) {
-        const std::int32_t v = rows[i * kD + static_cast<std::size_t>(k)];
-        sum += v * v;
-      }
-      squared_norm[i] = sum;
-    }
+/// Column of the nearest, or -1 if the second nearest is too like it.
+int distinctNearest(const RowBest& row, double ratio) {
+  std::int32_t best = kFar, second = kFar;
+  int nearest = -1;
+  for (int c = 0; c < kTileColumns; ++c) {
+    const int column = row.tile[c] * kTileColumns + c;
+    const bool wins = row.best[c] < best || (row.best[c] == best && column < nearest);
+    second = std::min({second, row.second[c], wins ? best : row.best[c]});
+    if (!wins) continue;
+    best = row.best[c];
+    nearest = column;
   }
-};
+  return best < ratio * ratio * second ? nearest : -1;
+}
 
 }  // namespace
 
@@ -45,38 +71,37 @@ std::vector<FeatureMatch> matchFeatures(const FeatureSet& a, const FeatureSet& b
                                         const MatchOptions& options) {
   std::vector<FeatureMatch> matches;
   if (a.size() < 2 || b.size() < 2) return matches;
-  constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::max();
-  const Widened wa(a), wb(b);
-  const int nb = static_cast<int>(b.size());
-  std::vector<std::int32_t> dots(b.size());
-  std::vector<std::int32_t> column_best(b.size(), kFar);
-  std::vector<int> column_arg(b.size(), -1);
-  std::vector<int> row_arg(a.size(), -1);
-  const double ratio2 = options.ratio * options.ratio;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    dotRows(wa.rows.data() + i * kD, wb.rows.data(), nb, dots.data());
-    std::int32_t best = kFar, second = kFar;
-    int arg = -1;
-    for (int j = 0; j < nb; ++j) {
-      const auto js = static_cast<std::size_t>(j);
-      const std::int32_t d = wa.squared_norm[i] + wb.squared_norm[js] - 2 * dots[js];
-      if (d < best) {
-        second = best;
-        best = d;
-        arg = j;
-      } else if (d < second) {
-        second = d;
-      }
-      if (d < column_best[js]) {
-        column_best[js] = d;
-        column_arg[js] = static_cast<int>(i);
-      }
+  const DotTiles tiles(a, b);
+  const int columns = tiles.tileColumns() * kTileColumns;
+  const auto norm_a = squaredNorms(a, tiles.tileRows() * kTileRows);
+  const auto norm_b = squaredNorms(b, columns);
+  std::vector<std::int32_t> column_best(norm_b.size(), kFar), column_row(norm_b.size(), -1);
+  std::vector<int> nearest(a.size(), -1);
+  const int rows = static_cast<int>(a.size());
+  for (int i = 0; i < tiles.tileRows(); ++i) {
+    RowBest best[kTileRows];
+    for (RowBest& row : best) {
+      std::fill(std::begin(row.best), std::end(row.best), kFar);
+      std::fill(std::begin(row.second), std::end(row.second), kFar);
+      std::fill(std::begin(row.tile), std::end(row.tile), 0);
     }
-    if (best < ratio2 * second) row_arg[i] = arg;
+    const int first = i * kTileRows, count = std::min(kTileRows, rows - first);
+    for (int j = 0; j < tiles.tileColumns(); ++j) {
+      std::int32_t dots[kTileRows * kTileColumns];
+      tiles.compute(i, j, dots);
+      const auto column = static_cast<std::size_t>(j * kTileColumns);
+      for (int r = 0; r < count; ++r)
+        enter(dots + r * kTileColumns, norm_a[static_cast<std::size_t>(first + r)], first + r, j,
+              norm_b.data() + column, best[r], column_best.data() + column,
+              column_row.data() + column);
+    }
+    for (int r = 0; r < count; ++r)
+      nearest[static_cast<std::size_t>(first + r)] = distinctNearest(best[r], options.ratio);
   }
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (row_arg[i] >= 0 && column_arg[static_cast<std::size_t>(row_arg[i])] == static_cast<int>(i))
-      matches.push_back({static_cast<int>(i), row_arg[i]});
+  for (int i = 0; i < rows; ++i) {
+    const int j = nearest[static_cast<std::size_t>(i)];
+    if (j >= 0 && column_row[static_cast<std::size_t>(j)] == i) matches.push_back({i, j});
+  }
   return matches;
 }
 

@@ -21,7 +21,7 @@ struct FeatureOptions {
 /// SIFT (Lowe 2004) with RootSIFT descriptors (Arandjelovic & Zisserman 2012), spread evenly: the
 /// strongest blob of each grid cell first; only those chosen are described. The photo is searched
 /// at `megapixels` without Lowe's doubling; a smaller photo is enlarged to it, at most twice.
-/// `frame.image` must be decoded. Deterministic, the same on every CPU.
+/// `frame.image` must be decoded. Deterministic.
 FeatureSet extractFeatures(const ImageFrame& frame, const FeatureOptions& options);
 
 /// The features with the given indices, in that order.
