@@ -3,7 +3,9 @@
 #include "cf/fuse/voxel_tile_map.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "cf/base/error.h"
@@ -13,6 +15,7 @@ namespace cf {
 namespace {
 
 constexpr double kTileIndexLimit = 1e8;
+constexpr std::size_t kTilesAtOnce = 4;
 
 bool usable(const MapPoint& point, double tile_m) {
   return std::isfinite(point.weight) && point.weight > 0 && std::isfinite(point.position_m.z()) &&
@@ -58,6 +61,7 @@ void TileMap::insert(FrameId depth_frame, const std::vector<MapPoint>& points) {
       ++stats_.dropped;
       continue;
     }
+    // Equation (10).
     const TileIndex index{static_cast<std::int32_t>(floorToInt(point.position_m.x() / tile_m)),
                           static_cast<std::int32_t>(floorToInt(point.position_m.y() / tile_m))};
     if (!run_list || !(index == current)) {
@@ -118,7 +122,21 @@ void TileMap::shrink(TileIndex keep) {
 }
 
 void TileMap::flush() {
-  for (auto& [index, tile] : tiles_) save(tile);
+  std::vector<Resident*> changed;
+  for (auto& [index, tile] : tiles_)
+    if (tile.dirty) changed.push_back(&tile);
+  // A few at a time are made ready side by side and then written in order.
+  for (std::size_t begin = 0; begin < changed.size(); begin += kTilesAtOnce) {
+    const std::size_t count = std::min(kTilesAtOnce, changed.size() - begin);
+    std::vector<Tile> ready(count);
+    tbb::parallel_for(std::size_t{0}, count,
+                      [&](std::size_t i) { ready[i] = changed[begin + i]->voxels->toTile(); });
+    for (std::size_t i = 0; i < count; ++i) {
+      store_.save(ready[i]);
+      changed[begin + i]->dirty = false;
+      ++stats_.saved;
+    }
+  }
   store_.flush();
 }
 

@@ -128,7 +128,8 @@ double scaleHint(const Segment& segment) {
 }
 
 /// Levelled, then heading, scale and position from the horizontal alone: garbage in the altitude
-/// cannot tilt it, and a straight line is enough.
+/// cannot tilt it, and a straight line is enough. The scale stands in for equation (4), a ratio of
+/// single displacements that one bad fix spoils.
 Sim3 levelledAlignment(const Segment& segment, const std::vector<Eigen::Vector3d>& fixes,
                        const std::vector<Eigen::Vector3d>& centres,
                        const GeoreferenceOptions& options) {

@@ -29,7 +29,7 @@ struct LinearPose {
   }
 };
 
-/// Eq. (5), e_q and e_t, of two consecutive keyframes. Erratum: the print compares q_j q_i^-1,
+/// Equation (5), e_q and e_t, of two consecutive keyframes. Erratum: the print compares q_j q_i^-1,
 /// which is conjugated by the unknown local-to-world rotation; the increment in the body frame,
 /// q_i^-1 q_j, is the same in both frames. The translation is scaled by s.
 struct OdometryResidual {
@@ -57,9 +57,8 @@ struct OdometryResidual {
   }
 };
 
-/// Eq. (6), e_g, east and north. (e_s of Eq. (6) is not used: it takes the same fixes again, and
-/// the print divides by the metric displacement; initialise() starts the scale from the right
-/// ratio.)
+/// Equation (6), e_g, east and north. Its e_s is not used: it takes the same fixes again, and the
+/// print divides by the metric displacement; initialise() starts the scale from the right ratio.
 struct HorizontalFixResidual {
   LinearPose pose;
   Eigen::Vector2d position, sigma;
@@ -72,7 +71,7 @@ struct HorizontalFixResidual {
   }
 };
 
-/// Eq. (6), e_g, up: apart, so that a bad altitude does not cost the horizontal position.
+/// Equation (6), e_g, up: apart, so that a bad altitude does not cost the horizontal position.
 struct VerticalFixResidual {
   LinearPose pose;
   double height, sigma;
