@@ -53,7 +53,7 @@ struct ScaleSample {
 
 /// Stage 1 of the GNSS optimisation for one UAV: scale and world poses of every segment from
 /// odometry increments and fixes (Eq. (4)-(6) of arXiv 2304.04943, corrected as in
-/// docs/method_georeference.md).
+/// docs/method.md).
 ///
 /// A keyframe leaves as a GeoKeyframe, in order, as soon as its fix can be interpolated, or after
 /// max_wait_keyframes later ones, or at flush(). The noise of the receiver is estimated per axis
