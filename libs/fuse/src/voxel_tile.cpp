@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 namespace cf {
 namespace {
@@ -105,19 +105,19 @@ float VoxelTile::positionInCell(double relative_m, std::int64_t cell, int axis) 
 }
 
 Tile VoxelTile::toTile() const {
-  std::vector<std::uint32_t> order(voxels_.size());
-  std::iota(order.begin(), order.end(), 0u);
   const std::vector<std::uint64_t>& keys = numbers_.keys();
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+  order.reserve(keys.size());
+  for (std::uint32_t number = 0; number < keys.size(); ++number)
+    order.emplace_back(keys[number], number);
+  std::sort(order.begin(), order.end());
 
   Tile tile;
   tile.index = index_;
   tile.offset_m = offset_m_;
   tile.points.reserve(voxels_.size());
-  for (const std::uint32_t number : order) {
+  for (const auto& [key, number] : order) {
     const Voxel& voxel = voxels_[number];
-    const std::uint64_t key = keys[number];
     const std::int64_t cell[3] = {CellKey::x(key), CellKey::y(key), CellKey::z(key)};
     TilePoint point;
     for (int k = 0; k < 3; ++k) {

@@ -22,7 +22,8 @@ struct Delivery {
 /// Gives the finished cloud to `sink`, tile by tile in ascending order of index: cleaned of flying
 /// points, then without voxels below options.min_views and min_confidence. Tiles left empty are not
 /// given. The store holds the raw tiles (TileMap::flush before) and is not changed; no more than
-/// options.max_memory_mb of them are in memory, and at least a tile with its eight neighbours.
+/// options.max_memory_mb of them are in memory, and at least four tiles with their
+/// neighbours, which are cleaned side by side.
 /// options.voxel_m and tile_m are those of the TileMap.
 Delivery deliverCloud(TileStore& store, const FuseOptions& options,
                       const std::function<void(const Tile&)>& sink);
