@@ -141,9 +141,11 @@ void adjustLocally(LocalMap& map, const std::vector<PhotoIndex>& window, double 
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (double& lambda : lambdas)
     if (problem.HasParameterBlock(&lambda)) ordering->AddElementToGroup(&lambda, 0);
+  // Within a group Ceres orders by address, which differs from run to run: a group for each.
+  int group = 1;
   for (auto& [i, pose] : poses) {
-    ordering->AddElementToGroup(pose.q, 1);
-    ordering->AddElementToGroup(pose.t, 1);
+    ordering->AddElementToGroup(pose.q, group++);
+    ordering->AddElementToGroup(pose.t, group++);
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
