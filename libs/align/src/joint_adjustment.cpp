@@ -124,8 +124,10 @@ class Adjustment {
     for (const JointPhoto& photo : problem.photos) {
       const Eigen::Quaterniond q(photo.T_world_cam.linear());
       const Eigen::Vector3d t = photo.T_world_cam.translation();
-      poses_[photo.id] = {{q.w(), q.x(), q.y(), q.z()}, {t.x(), t.y(), t.z()}};
+      pose_blocks_.push_back({{q.w(), q.x(), q.y(), q.z()}, {t.x(), t.y(), t.z()}});
     }
+    for (std::size_t i = 0; i < pose_blocks_.size(); ++i)
+      poses_[problem.photos[i].id] = &pose_blocks_[i];
     for (const CameraModel& camera : problem.cameras) lenses_.push_back(lensOf(camera));
   }
 
@@ -149,7 +151,7 @@ class Adjustment {
         const Keyframe& photo = graph_.photo(o.frame);
         const CameraModel& c = photo.camera;
         const double sigma = options_.feature_sigma_px * photo.features->pixel_size;
-        PoseBlock& pose = poses_.at(o.frame);
+        PoseBlock& pose = *poses_.at(o.frame);
         ceres_problem.AddResidualBlock(
             new ceres::AutoDiffCostFunction<ReprojectionError, 2, 4, 3, 3, kLens>(
                 new ReprojectionError{
@@ -165,15 +167,20 @@ class Adjustment {
     }
     addPosePriors(ceres_problem);
     addLensPriors(ceres_problem);
-    for (auto& [id, pose] : poses_) {
+    // Within a group Ceres orders by address, which differs from run to run: the poses lie in one
+    // array, and what lies elsewhere gets groups of its own.
+    for (PoseBlock& pose : pose_blocks_) {
       ceres_problem.SetManifold(pose.q, new ceres::QuaternionManifold());
       ordering->AddElementToGroup(pose.q, 1);
       ordering->AddElementToGroup(pose.t, 1);
     }
-    std::vector<double*> others;
-    ceres_problem.GetParameterBlocks(&others);
-    for (double* block : others)
-      if (ordering->GroupId(block) < 0) ordering->AddElementToGroup(block, 1);
+    int group = 2;
+    const auto order_next = [&](double* block) {
+      if (ceres_problem.HasParameterBlock(block)) ordering->AddElementToGroup(block, group++);
+    };
+    for (Lens& lens : lenses_) order_next(lens.data());
+    for (auto& [given, lens] : groups_) order_next(lens.data());
+    for (auto& [uav, bias] : biases_) order_next(bias.data());
     if (!options_.refine_cameras)
       for (Lens& lens : lenses_)
         if (ceres_problem.HasParameterBlock(lens.data()))
@@ -192,7 +199,7 @@ class Adjustment {
 
   JointSolution solution(std::vector<SparsePoint> points) const {
     JointSolution out;
-    for (const auto& [id, block] : poses_) out.T_world_cam[id] = poseOf(block);
+    for (const auto& [id, block] : poses_) out.T_world_cam[id] = poseOf(*block);
     for (std::size_t u = 0; u < lenses_.size(); ++u)
       out.cameras.push_back(withLens(problem_.cameras[u], lenses_[u]));
     for (const auto& [uav, bias] : biases_)
@@ -215,7 +222,7 @@ class Adjustment {
   std::map<FrameId, PosedPhoto> posed() const {
     std::map<FrameId, PosedPhoto> photos;
     for (const auto& [id, block] : poses_)
-      photos[id] = {poseOf(block), withLens(graph_.photo(id).camera, lenses_[id.uav])};
+      photos[id] = {poseOf(*block), withLens(graph_.photo(id).camera, lenses_[id.uav])};
     return photos;
   }
 
@@ -263,7 +270,7 @@ class Adjustment {
   void addPosePriors(ceres::Problem& problem) {
     const double n = std::sqrt(static_cast<double>(problem_.photos.size()));
     for (const JointPhoto& photo : problem_.photos) {
-      PoseBlock& pose = poses_.at(photo.id);
+      PoseBlock& pose = *poses_.at(photo.id);
       // What is given counts once for the whole component, as one observation of 3 degrees and of
       // a fifth of the depth: enough for what nothing else observes, nothing against what does.
       problem.AddResidualBlock(
@@ -310,7 +317,8 @@ class Adjustment {
   const std::vector<Track>& tracks_;
   const JointProblem& problem_;
   const JointOptions& options_;
-  std::map<FrameId, PoseBlock> poses_;
+  std::vector<PoseBlock> pose_blocks_;
+  std::map<FrameId, PoseBlock*> poses_;  ///< into pose_blocks_
   std::vector<Lens> lenses_;
   std::map<Lens, Lens> groups_;  ///< by the lens given
   std::map<std::uint16_t, std::array<double, 3>> biases_;
