@@ -10,7 +10,7 @@
 namespace cf {
 namespace {
 
-constexpr double kDarkest = 0.55;        // share of the light that a deep step takes away
+constexpr double kDarkest = 0.4;        // share of the light that a deep step takes away
 constexpr double kHiddenOpacity = 0.45;  // of a line behind the surface
 constexpr double kRimLight = 0.45;
 
