@@ -61,6 +61,10 @@ class ExifJpeg {
   void write(const std::filesystem::path& file, int width, int height) const {
     std::vector<unsigned char> jpeg;
     cv::imencode(".jpg", cv::Mat(height, width, CV_8UC3, cv::Scalar(90, 120, 100)), jpeg);
+    write(file, jpeg);
+  }
+  /// An encoded picture with the tags.
+  void write(const std::filesystem::path& file, const std::vector<unsigned char>& jpeg) const {
     std::filesystem::create_directories(file.parent_path());
     std::ofstream out(file, std::ios::binary);
     out << "\xFF\xD8" << segment(std::string("Exif\0\0", 6) + tiff());
