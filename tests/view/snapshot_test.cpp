@@ -178,6 +178,23 @@ TEST_F(Snapshot, AlargeCloudIsThinnedEvenly) {
   EXPECT_NEAR(mean_x / static_cast<double>(thin.size()), 0, 0.5);
 }
 
+TEST_F(Snapshot, EachPhotoShowsItsStrongestPartnerOfEachOtherUav) {
+  CsvWriter table(run_.dir() / "relative_poses.csv",
+                  {"uav_a", "uav_b", "image_a", "image_b", "inliers"});
+  table.row({"a", "b", "a2.jpg", "b2.jpg", "100"});
+  table.row({"a", "b", "a2.jpg", "b1.jpg", "50"});
+  table.row({"a", "b", "a1.jpg", "b2.jpg", "40"});
+  table.row({"a", "b", "a1.jpg", "b1.jpg", "10"});  // both have a stronger one
+  table.row({"a", "a", "a0.jpg", "a1.jpg", "500"});
+  table.close();
+  const auto links = loadScene(run_.dir()).links;
+  ASSERT_EQ(links.size(), 3U);
+  for (const auto& link : links) EXPECT_NEAR((link.a_m - link.b_m).y(), -16, 1e-6);
+  EXPECT_NEAR(links[0].a_m.x(), links[0].b_m.x(), 1e-6);
+  EXPECT_NE(links[1].a_m.x(), links[1].b_m.x());
+  EXPECT_NE(links[2].a_m.x(), links[2].b_m.x());
+}
+
 TEST_F(Snapshot, TheSamePictureTwiceIsTheSameFile) {
   const cv::Mat first = render("iso"), second = render("iso");
   EXPECT_EQ(cv::norm(first, second, cv::NORM_INF), 0);
