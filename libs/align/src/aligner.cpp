@@ -84,12 +84,12 @@ class Aligner::State {
     matchCandidates(footprints(alone));
 
     Alignment out;
-    PairObservations observed;
+    PairObservations observed;  // under the homography method
     const auto place = [&] {
       if (options_.method != "homography") return joinSegments(graph_, segments, center_);
       auto placed =
           placeByRelativePoses(graph_, segments, weighedFixes(quality),
-                               observeStrongestPairs(graph_, views, options_.pair, observed),
+                               observePairs(graph_, views, kTwoBest, options_.pair, observed),
                                center_, options_.relative);
       out.gnss_bias_m = std::move(placed.gnss_bias_m);
       return std::move(placed.placement);
@@ -262,7 +262,18 @@ class Aligner::State {
       const auto measured = scales.find(id);
       return measured != scales.end() ? measured->second : placement.photos.at(id).scale;
     };
-    for (const auto& o : observeStrongestPairs(graph_, views, options_.pair, observed)) {
+    // Seen through the cameras of the map: a refined focal length changes what a photo observes.
+    std::map<FrameId, Keyframe> calibrated;
+    PairViews refined = views;
+    if (options_.method != "homography")
+      for (auto& [id, view] : refined) {
+        Keyframe& keyframe = calibrated.emplace(id, graph_.photo(id)).first->second;
+        keyframe.camera =
+            out.table.cameras[id.uav].scaled(keyframe.camera.width, keyframe.camera.height);
+        view.keyframe = &keyframe;
+      }
+    const PairSelection selection = options_.method == "homography" ? kTwoBest : kMutualBest;
+    for (const auto& o : observePairs(graph_, refined, selection, options_.pair, observed)) {
       const FrameId a = o.pose.a, b = o.pose.b;
       if (a.uav == b.uav || out.table.poses.count(a) == 0 || out.table.poses.count(b) == 0)
         continue;

@@ -6,21 +6,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 namespace cf {
 namespace {
 
-/// Partners that a photo is observed with in each other segment. The rest would repeat them: the
-/// same landmarks, seen from the next photo of the same rigid segment.
-constexpr std::size_t kPartners = 2;
-
 SegmentId segmentOf(const MatchGraph& graph, FrameId id) {
   return {id.uav, graph.photo(id).segment};
 }
 
-std::vector<MatchGraph::Pair> strongestPairs(const MatchGraph& graph, const PairViews& views) {
+std::vector<MatchGraph::Pair> select(const MatchGraph& graph, const PairViews& views,
+                                     PairSelection selection) {
   std::map<std::pair<FrameId, SegmentId>, std::vector<std::pair<std::size_t, MatchGraph::Pair>>>
       partners;
   for (const auto& [pair, matches] : graph.pairs()) {
@@ -29,15 +25,18 @@ std::vector<MatchGraph::Pair> strongestPairs(const MatchGraph& graph, const Pair
     partners[{pair.first, b}].emplace_back(matches.size(), pair);
     partners[{pair.second, a}].emplace_back(matches.size(), pair);
   }
-  std::set<MatchGraph::Pair> chosen;
+  std::map<MatchGraph::Pair, int> choosers;
   for (auto& [key, pairs] : partners) {
     std::sort(pairs.begin(), pairs.end(), [](const auto& x, const auto& y) {
       return x.first != y.first ? x.first > y.first : x.second < y.second;
     });
-    for (std::size_t i = 0; i < std::min(kPartners, pairs.size()); ++i)
-      chosen.insert(pairs[i].second);
+    for (std::size_t i = 0; i < std::min(selection.partners, pairs.size()); ++i)
+      ++choosers[pairs[i].second];
   }
-  return {chosen.begin(), chosen.end()};
+  std::vector<MatchGraph::Pair> chosen;
+  for (const auto& [pair, count] : choosers)
+    if (count >= selection.choosers) chosen.push_back(pair);
+  return chosen;
 }
 
 double translationResidual(const Eigen::Isometry3d& T_world_a, const Eigen::Isometry3d& T_world_b,
@@ -47,10 +46,10 @@ double translationResidual(const Eigen::Isometry3d& T_world_a, const Eigen::Isom
 
 }  // namespace
 
-std::vector<PairObservation> observeStrongestPairs(const MatchGraph& graph, const PairViews& views,
-                                                   const PairOptions& options,
-                                                   PairObservations& known) {
-  const std::vector<MatchGraph::Pair> pairs = strongestPairs(graph, views);
+std::vector<PairObservation> observePairs(const MatchGraph& graph, const PairViews& views,
+                                          PairSelection selection, const PairOptions& options,
+                                          PairObservations& known) {
+  const std::vector<MatchGraph::Pair> pairs = select(graph, views, selection);
   std::vector<MatchGraph::Pair> todo;
   for (const auto& pair : pairs)
     if (known.count(pair) == 0) todo.push_back(pair);

@@ -20,12 +20,22 @@ using PairViews = std::map<FrameId, PairView>;
 /// Pairs that were tried; empty where the relative pose could not be observed.
 using PairObservations = std::map<MatchGraph::Pair, std::optional<PairObservation>>;
 
-/// Observes the relative poses of photos of different segments: for each photo, of its matched
-/// partners in each other segment, the two with the most matches. Sorted by (a, b). What is in
+/// Which matched pairs of photos of different segments are observed: those with the most matches.
+struct PairSelection {
+  std::size_t partners;  ///< of each photo in each other segment
+  int choosers;          ///< 1: either photo chose the other; 2: both did
+};
+/// For the report: few, and one at least for any two segments that match.
+inline constexpr PairSelection kMutualBest{1, 2};
+/// For an optimisation. More would repeat them: the same landmarks, seen from the next photo of the
+/// same rigid segment.
+inline constexpr PairSelection kTwoBest{2, 1};
+
+/// Observes the relative poses of the selected pairs, side by side; sorted by (a, b). What is in
 /// `known` is not observed again.
-std::vector<PairObservation> observeStrongestPairs(const MatchGraph& graph, const PairViews& views,
-                                                   const PairOptions& options,
-                                                   PairObservations& known);
+std::vector<PairObservation> observePairs(const MatchGraph& graph, const PairViews& views,
+                                          PairSelection selection, const PairOptions& options,
+                                          PairObservations& known);
 
 /// Metres per VO unit of each photo's own inverse depths, as the points of the map have them.
 /// Photos that see no such point are absent.
