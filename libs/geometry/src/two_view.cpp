@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <opencv2/calib3d.hpp>
 #include <string>
 
@@ -203,14 +204,37 @@ std::vector<char> consistentMatches(const std::vector<Eigen::Vector2d>& a,
   std::vector<char> keep(a.size(), 0);
   if (a.size() < 8) return keep;
   const Points ca = toCv(a), cb = toCv(b);
-  cv::Mat mask_e, mask_h;
-  essentialOf(ca, cb, threshold, mask_e);
-  homographyOf(ca, cb, 2 * threshold, mask_h);
-  const bool planar =
-      !mask_h.empty() && !mask_e.empty() && cv::countNonZero(mask_h) >= cv::countNonZero(mask_e);
-  const cv::Mat& mask = planar ? mask_h : mask_e;
-  for (int i = 0; i < mask.rows * mask.cols; ++i)
-    keep[static_cast<std::size_t>(i)] = mask.at<std::uint8_t>(i) != 0;
+  cv::Mat mask_h;
+  const cv::Mat H = homographyOf(ca, cb, 2 * threshold, mask_h);
+  const int on_plane = H.empty() ? 0 : cv::countNonZero(mask_h);
+  // Where a plane holds a fair share, matches far off it are wrong: no relief shifts a point so
+  // much. Without them the essential matrix, which is dear among outliers, needs few trials.
+  std::vector<std::size_t> candidates(a.size());
+  std::iota(candidates.begin(), candidates.end(), std::size_t{0});
+  if (on_plane >= std::max(20.0, 0.2 * static_cast<double>(a.size()))) {
+    constexpr double kMostRelief = 0.25;  // on the normalized plane
+    const Eigen::Matrix3d h = toEigen(H);
+    const auto is_far = [&](std::size_t i) {
+      return ((h * a[i].homogeneous()).hnormalized() - b[i]).norm() > kMostRelief;
+    };
+    candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_far),
+                     candidates.end());
+  }
+  Points near_a, near_b;
+  for (const std::size_t i : candidates) {
+    near_a.push_back(ca[i]);
+    near_b.push_back(cb[i]);
+  }
+  cv::Mat mask_e;
+  if (candidates.size() >= 8) essentialOf(near_a, near_b, threshold, mask_e);
+  const bool planar = !mask_e.empty() && on_plane >= cv::countNonZero(mask_e);
+  if (planar) {
+    for (std::size_t i = 0; i < keep.size(); ++i)
+      keep[i] = mask_h.at<std::uint8_t>(static_cast<int>(i)) != 0;
+  } else if (!mask_e.empty()) {
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      keep[candidates[i]] = mask_e.at<std::uint8_t>(static_cast<int>(i)) != 0;
+  }
   return keep;
 }
 
