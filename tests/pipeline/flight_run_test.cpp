@@ -90,7 +90,8 @@ TEST_F(FlightRun, PosesAndSurfaceAreTheTruth) {
     EXPECT_NEAR(uav.camera_after.fx, 520, 3) << uav.name;
   }
   const Positions p = positionsOf(run);
-  EXPECT_LT(rms(p, Sim3()), 0.5);  // nothing ties the heading about the lines but fixes and gimbal
+  // Each UAV's own GNSS bias leaves the tilt across the lines to priors of a degree or two.
+  EXPECT_LT(rms(p, Sim3()), 0.5);
   const auto se3 = alignPoints(p.truth, p.estimate, AlignmentModel::kSe3);
   const auto sim3 = alignPoints(p.truth, p.estimate, AlignmentModel::kSim3);
   ASSERT_TRUE(se3 && sim3);
@@ -100,8 +101,7 @@ TEST_F(FlightRun, PosesAndSurfaceAreTheTruth) {
 
   const Surface surface = surfaceOf(folder_ / "out/cloud/cloud.ply", se3.value(), 0.15);
   EXPECT_GT(surface.points, 500'000u);
-  EXPECT_GT(surface.share_within, 0.97);
-         sim3.value().scale, surface.share_within);
+  EXPECT_GT(surface.share_within, 0.95);
 }
 
 TEST_F(FlightRun, WithoutGnssTheMapIsRelative) {

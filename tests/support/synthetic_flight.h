@@ -43,8 +43,8 @@ inline const SyntheticFlight& syntheticFlight() {
     constexpr int kUavs = 3, kPhotos = 5;
     constexpr double kHeight_m = 40, kBetweenLines_m = 14, kStep_m = 5.5;
     CameraModel camera = distortedCamera();
-    camera.focal_sigma = 10;
-    camera.k1_sigma = camera.k2_sigma = 0.02;
+    camera.focal_sigma = 1;
+    camera.k1_sigma = camera.k2_sigma = 0.002;
     const LocalFrame world(SyntheticFlight::origin());
     SyntheticFlight made;
     for (int u = 0; u < kUavs; ++u) {
