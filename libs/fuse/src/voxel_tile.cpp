@@ -20,22 +20,22 @@ std::uint16_t saturatedSum(std::uint16_t a, std::uint16_t b) {
 VoxelTile::VoxelTile(TileIndex index, double tile_m, double voxel_m)
     : index_(index),
       offset_m_(index.x * tile_m, index.y * tile_m, 0),
-      voxel_m_(voxel_m),
-      inverse_voxel_(1 / voxel_m) {}
+      voxel_m_(voxel_m, voxel_m, kHeightOverSide * voxel_m),
+      inverse_voxel_(voxel_m_.cwiseInverse()) {}
 
 std::int64_t VoxelTile::cellOf(double relative_m, int axis) const {
-  const std::int64_t cell = floorToInt(relative_m * inverse_voxel_);
+  const std::int64_t cell = floorToInt(relative_m * inverse_voxel_[axis]);
   // A point on the tile's lower edge may fall a rounding error outside of it.
   return axis < 2 ? std::max<std::int64_t>(cell, 0) : cell;
 }
 
 bool VoxelTile::locate(const Eigen::Vector3d& relative_m, Place& place) const {
-  if (!(std::abs(relative_m.z() * inverse_voxel_) < CellKey::kLimit - 1)) return false;
+  if (!(std::abs(relative_m.z() * inverse_voxel_.z()) < CellKey::kLimit - 1)) return false;
   std::int64_t cell[3];
   for (int k = 0; k < 3; ++k) {
     cell[k] = cellOf(relative_m[k], k);
-    place.rest[k] =
-        static_cast<float>(relative_m[k] * inverse_voxel_ - (static_cast<double>(cell[k]) + 0.5));
+    place.rest[k] = static_cast<float>(relative_m[k] * inverse_voxel_[k] -
+                                       (static_cast<double>(cell[k]) + 0.5));
   }
   place.key = CellKey::pack(cell[0], cell[1], cell[2]);
   return true;
@@ -123,7 +123,7 @@ Tile VoxelTile::toTile() const {
     for (int k = 0; k < 3; ++k) {
       const double mean = static_cast<double>(voxel.offset[k]) / voxel.weight;
       point.position_m[k] =
-          positionInCell((static_cast<double>(cell[k]) + 0.5 + mean) * voxel_m_, cell[k], k);
+          positionInCell((static_cast<double>(cell[k]) + 0.5 + mean) * voxel_m_[k], cell[k], k);
       point.bgr[k] =
           static_cast<std::uint8_t>(std::clamp(std::lround(voxel.bgr[k] / voxel.weight), 0L, 255L));
     }

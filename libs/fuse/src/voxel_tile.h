@@ -11,10 +11,15 @@
 
 namespace cf {
 
-/// The voxels of one tile: weighted sums of position and colour, and the number of views.
+/// The voxels of one tile: weighted sums of position and colour, and the number of views. A voxel
+/// is kHeightOverSide times as high as wide: seen from above, height is that much less certain than
+/// the horizontal position (by depth over baseline), and cubes would hold the noise of each pair
+/// instead of the mean of all.
 /// Sums are relative to the voxel's centre, so that floats hold them to a millionth of a voxel.
 class VoxelTile {
  public:
+  static constexpr double kHeightOverSide = 3;
+
   VoxelTile(TileIndex index, double tile_m, double voxel_m);
 
   /// Merges the points [begin, end). `view` differs from one depth frame to the next; 0 is none.
@@ -31,13 +36,13 @@ class VoxelTile {
  private:
   struct Voxel {
     float weight = 0;
-    float offset[3] = {0, 0, 0};  ///< weighted sum [voxels from the centre]
+    float offset[3] = {0, 0, 0};  ///< weighted sum [voxel sides from the centre]
     float bgr[3] = {0, 0, 0};     ///< weighted sum
     std::uint32_t last_view = 0;
     std::uint16_t views = 0;
   };
 
-  /// Where a position falls: the voxel, and the place in it [voxels from its centre].
+  /// Where a position falls: the voxel, and the place in it [voxel sides from its centre].
   struct Place {
     std::uint64_t key;
     float rest[3];
@@ -51,8 +56,8 @@ class VoxelTile {
 
   TileIndex index_;
   Eigen::Vector3d offset_m_;
-  double voxel_m_;
-  double inverse_voxel_;
+  Eigen::Vector3d voxel_m_;
+  Eigen::Vector3d inverse_voxel_;
   VoxelIndex numbers_;
   std::vector<Voxel> voxels_;
 };

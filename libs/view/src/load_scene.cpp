@@ -45,6 +45,7 @@ std::vector<ColouredPoint> loadCloud(const fs::path& file, std::size_t max_point
   return cloud;
 }
 
+constexpr std::size_t kMostLinks = 60;  // more would hide the map
 constexpr const char* kOnlineSuffix = ".online";
 
 std::vector<fs::path> trackFiles(const fs::path& folder) {
@@ -102,10 +103,13 @@ void loadLinks(const fs::path& file, const std::map<std::string, Centres>& centr
                             &strongest[{row[uav_b], row[image_b], row[uav_a]}]})
       if (count > best->inliers) *best = {count, i};
   }
-  std::set<std::size_t> shown;
-  for (const auto& [photo, best] : strongest) shown.insert(best.row);
-  for (const std::size_t i : shown) {
-    const auto& row = table.rows()[i];
+  std::set<std::size_t> rows;
+  for (const auto& [photo, best] : strongest) rows.insert(best.row);
+  // Of many an even sample, in the order of the file.
+  const std::vector<std::size_t> chosen(rows.begin(), rows.end());
+  const std::size_t count = std::min(kMostLinks, chosen.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& row = table.rows()[chosen[k * chosen.size() / count]];
     links.push_back({*find(row[uav_a], row[image_a]), *find(row[uav_b], row[image_b])});
   }
 }

@@ -16,9 +16,9 @@ namespace cf {
 
 class VoxelTile;
 
-/// The fused map: voxels of `voxel_m` in square tiles of `tile_m`, each with the weighted means of
-/// position and colour, the sum of the weights, and the number of depth frames that saw it. Means
-/// do not depend on the order of insertion beyond float rounding.
+/// The fused map: voxels of `voxel_m`, three times as high as wide, in square tiles of `tile_m`,
+/// each with the weighted means of position and colour, the sum of the weights, and the number of
+/// depth frames that saw it. Means do not depend on the order of insertion beyond float rounding.
 ///
 /// Tiles in memory are held below `max_memory_mb`: the longest unused go to the store and come
 /// back, with nothing lost but rounding (colours to 1/255, positions to a float), when the map

@@ -34,7 +34,7 @@ struct UavTrack {
 };
 
 /// The two camera centres of a relative pose between two UAVs, world frame. Of those that a photo
-/// has with one other UAV, the one with most inliers is shown.
+/// has with one other UAV, the one with most inliers is shown; of very many, an even sample.
 struct RelativeLink {
   Eigen::Vector3d a_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d b_m = Eigen::Vector3d::Zero();
