@@ -20,6 +20,9 @@ constexpr double kColumnShare = 0.5;
 /// A cell holds about this many voxels of a surface, which then is connected through its cells.
 constexpr double kVoxelsPerCell = 1.8;
 constexpr int kMaxDoublings = 4;
+/// A voxel is doubted where the best seen one in the columns around was seen so many times as
+/// often.
+constexpr int kDoubtfulShare = 8;
 constexpr double kMarginCells = 16;  ///< of the neighbours' border that counts
 
 /// Connected cells.
@@ -170,6 +173,32 @@ std::vector<Component> judgeComponents(const SupportGrid& grid, DisjointSets& se
   return components;
 }
 
+/// Most views of any voxel in the 3 x 3 columns around each cell.
+class ColumnViews {
+ public:
+  explicit ColumnViews(const SupportGrid& grid) {
+    for (std::uint32_t i = 0; i < grid.cells().size(); ++i) {
+      const std::uint32_t column = columns_.findOrAdd(grid.column(i));
+      if (column == best_.size()) best_.push_back(0);
+      best_[column] = std::max(best_[column], grid.cells()[i].best_views);
+    }
+    around_.resize(best_.size());
+    for (std::uint32_t column = 0; column < best_.size(); ++column) {
+      const std::uint64_t key = columns_.keys()[column];
+      for (int d = 0; d < 9; ++d) {
+        const std::uint32_t beside = columns_.find(
+            CellKey::pack(CellKey::x(key) + d % 3 - 1, CellKey::y(key) + d / 3 - 1, 0));
+        if (beside != VoxelIndex::kNone) around_[column] = std::max(around_[column], best_[beside]);
+      }
+    }
+  }
+  int around(std::uint64_t column) const { return around_[columns_.find(column)]; }
+
+ private:
+  VoxelIndex columns_;
+  std::vector<std::uint16_t> best_, around_;
+};
+
 double medianSupport(const SupportGrid& grid) {
   std::vector<std::uint32_t> support;
   support.reserve(grid.cellOfPoint().size());
@@ -194,11 +223,13 @@ Tile cleaned(const Tile& tile, const std::vector<const Tile*>& neighbours, doubl
   const std::vector<Component> components = judgeComponents(grid, sets);
   const double least_support = kAloneShare * medianSupport(grid);
 
+  const ColumnViews views(grid);
   result.points.reserve(tile.points.size());
   for (std::size_t i = 0; i < tile.points.size(); ++i) {
     const std::uint32_t cell = grid.cellOfPoint()[i];
-    const bool flying =
-        grid.cells()[cell].support < least_support || components[sets.root(cell)].flying;
+    const bool flying = grid.cells()[cell].support < least_support ||
+                        components[sets.root(cell)].flying ||
+                        kDoubtfulShare * tile.points[i].views <= views.around(grid.column(cell));
     if (!flying || tile.points[i].views >= trusted_views) result.points.push_back(tile.points[i]);
   }
   return result;
