@@ -97,6 +97,16 @@ TEST(Cleaning, RemovesBlobsAboveAndBelowAWellSeenSurface) {
   EXPECT_LE(scene.kept(kFlying), 0.05);
 }
 
+TEST(Cleaning, RemovesAWideSecondLayerThatFewFramesSaw) {
+  Scene scene(8);
+  scene.plane(0, 0, 40, 40, 0, 16, kGround);
+  scene.plane(10, 10, 20, 20, 2, 2, kFlying);  // an eighth of the frames
+  scene.plane(25, 25, 35, 35, 2, 3, kThin);    // trusted
+  EXPECT_GE(scene.kept(kGround), 0.995);
+  EXPECT_LE(scene.kept(kFlying), 0.01);
+  EXPECT_GE(scene.kept(kThin), 0.99);
+}
+
 TEST(Cleaning, KeepsWhatManyDepthFramesSawEvenIfSmall) {
   Scene scene(4);
   scene.plane(0, 0, 40, 40, 0, 6, kGround);
