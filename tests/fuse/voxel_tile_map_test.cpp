@@ -94,6 +94,15 @@ TEST(TileMap, CountsDepthFramesNotPoints) {
   EXPECT_FLOAT_EQ(store.tiles.at({0, 0}).points[0].confidence, 6);
 }
 
+TEST(FuseOptions, ResolvedChoosesOnlyWhatIsAutomatic) {
+  const FuseOptions automatic = FuseOptions{}.resolved(0.055);
+  EXPECT_EQ(automatic.voxel_m, 0.055);
+  EXPECT_EQ(automatic.tile_m, 17);
+  EXPECT_EQ(options(0.5, 10).resolved(0.055).voxel_m, 0.5);
+  EXPECT_EQ(options(0.5, 10).resolved(0.055).tile_m, 10);
+  EXPECT_EQ(FuseOptions{}.resolved(0.001).tile_m, 1);
+}
+
 TEST(TileMap, OrderOfInsertionDoesNotMatter) {
   std::vector<MapPoint> points = randomPoints(50000, 15, 1);
   MemoryTileStore forward, shuffled;

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cf/fuse/fuse_options.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace cf {
 
 void FuseOptions::visit(OptionVisitor& visitor) {
   visitor.number("voxel_m", voxel_m, {0, 100},
                  "side of a voxel [m]; 0 = ground size of a matched pixel");
-  visitor.number("tile_m", tile_m, {1, 10000}, "side of a tile [m]");
+  visitor.number("tile_m", tile_m, {0, 10000}, "side of a tile [m]; 0 = about 300 voxels");
   visitor.integer("max_memory_mb", max_memory_mb, {16, 1 << 20},
                   "memory for tiles [MB]; beyond it the longest unused are written and leave");
   visitor.integer("min_views", min_views, {1, 65535},
@@ -16,6 +19,14 @@ void FuseOptions::visit(OptionVisitor& visitor) {
                  "delivered points have at least this sum of weights");
   visitor.integer("trusted_views", trusted_views, {1, 65535},
                   "points seen by so many depth frames are never removed as flying points");
+}
+
+FuseOptions FuseOptions::resolved(double matched_pixel_m) const {
+  constexpr double kTileVoxels = 300;
+  FuseOptions result = *this;
+  if (result.voxel_m == 0) result.voxel_m = matched_pixel_m;
+  if (result.tile_m == 0) result.tile_m = std::max(1.0, std::round(kTileVoxels * result.voxel_m));
+  return result;
 }
 
 }  // namespace cf

@@ -36,6 +36,13 @@ struct CellKey {
   }
 };
 
+/// Appends with less room to spare than push_back: the map's memory is bounded.
+template <class T>
+void appendTightly(std::vector<T>& to, const T& value) {
+  if (to.size() == to.capacity()) to.reserve(to.size() + to.size() / 4 + 16);
+  to.push_back(value);
+}
+
 /// Numbers distinct 64-bit keys 0, 1, 2… in the order of their arrival: a hash table with open
 /// addressing and linear probing that holds the numbers, beside the dense list of keys. Values live
 /// in the caller's own vectors, by number.
@@ -62,7 +69,7 @@ class VoxelIndex {
     }
     const auto added = static_cast<std::uint32_t>(keys_.size());
     slots_[s] = added;
-    keys_.push_back(key);
+    appendTightly(keys_, key);
     return added;
   }
 

@@ -43,7 +43,7 @@ bool VoxelTile::locate(const Eigen::Vector3d& relative_m, Place& place) const {
 
 VoxelTile::Voxel& VoxelTile::voxelAt(const Place& place) {
   const std::uint32_t number = numbers_.findOrAdd(place.key);
-  if (number == voxels_.size()) voxels_.emplace_back();
+  if (number == voxels_.size()) appendTightly(voxels_, Voxel{});
   return voxels_[number];
 }
 

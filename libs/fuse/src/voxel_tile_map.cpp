@@ -74,7 +74,20 @@ void TileMap::insert(FrameId depth_frame, const std::vector<MapPoint>& points) {
       run_list->push_back({i, i + 1});
   }
 
+  // Those in memory first: were all taken in the order of their index, the ones that come in would
+  // drive out the next ones, frame after frame.
+  std::vector<TileIndex> order;
   for (const auto& [index, list] : runs) {
+    const auto held = tiles_.find(index);
+    if (held == tiles_.end()) continue;
+    held->second.used = ++clock_;
+    order.push_back(index);
+  }
+  for (const auto& [index, list] : runs)
+    if (tiles_.count(index) == 0) order.push_back(index);
+
+  for (const TileIndex index : order) {
+    const std::vector<Run>& list = runs.at(index);
     Resident& tile = resident(index);
     tile.used = ++clock_;
     tile.dirty = true;

@@ -84,8 +84,8 @@ class DenseMapper {
 
   DenseSummary run(const std::filesystem::path& outdir) {
     if (views_.empty()) return summary_;
-    FuseOptions fuse = options_.fuse;
-    if (fuse.voxel_m <= 0) fuse.voxel_m = matchedGroundSize(views_, options_.densify.megapixels);
+    const FuseOptions fuse =
+        options_.fuse.resolved(matchedGroundSize(views_, options_.densify.megapixels));
     summary_.voxel_m = fuse.voxel_m;
     // Raw tiles live beside the result until the finished cloud has been made of them.
     const std::filesystem::path work = outdir / "work";
