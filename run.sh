@@ -13,7 +13,7 @@ Installs what is missing, builds, and runs the main job: a configuration, or fol
 UAV each), or the demo rawlogs in rawlogs/ with config.ini.
 
   cf-import options  --split N|strips  --geo FILE  --camera FILE  --sigma H,V
-  cf-run options     -o OUTDIR  -s section.key=value  --resume  -w
+  cf-run options     -o OUTDIR  -s section.key=value  -w
 
 Photos are imported into ./imported/NAME, NAME being the first folder's. Without -o the results lie
 beside the configuration, in results/.

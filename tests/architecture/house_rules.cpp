@@ -31,7 +31,7 @@ const std::map<std::string, Lib> kLibs = {
     {"features", {2, {"opencv"}}},
     {"geometry", {2, {"opencv", "ceres"}}},
     {"geodesy", {2, {"geographiclib"}}},
-    {"rawlog", {2, {"mrpt"}}},
+    {"rawlog", {2, {"mrpt", "zlib"}}},
     {"formats", {2, {"opencv", "pcl", "json"}}},
     {"config", {2, {"mrpt", "json"}}},
     {"odometry", {3, {"opencv", "ceres", "tbb"}}},
@@ -55,6 +55,8 @@ struct Origin {
 const std::vector<Origin> kIncludes = {
     {std::regex("[a-z_0-9]+"), "standard"},
     {std::regex("(sys|linux|bits)/.*"), "standard"},
+    {std::regex("immintrin\\.h"), "standard"},  // the compiler's own
+    {std::regex("zlib\\.h"), "zlib"},
     {std::regex("(dirent|dlfcn|fcntl|poll|pthread|sched|signal|stdlib|string|time|unistd)\\.h"),
      "standard"},
     {std::regex("Eigen/.*"), "eigen"},
@@ -87,6 +89,7 @@ const std::vector<Origin> kTargets = {
     {std::regex("GDAL::GDAL"), "gdal"},
     {std::regex("TBB::tbb"), "tbb"},
     {std::regex("CLI11::CLI11"), "cli11"},
+    {std::regex("ZLIB::ZLIB"), "zlib"},
 };
 
 std::string originOf(const std::string& text, const std::vector<Origin>& origins) {

@@ -88,7 +88,7 @@ class DenseMapper {
         options_.fuse.resolved(matchedGroundSize(views_, options_.densify.megapixels));
     summary_.voxel_m = fuse.voxel_m;
     // Raw tiles live beside the result until the finished cloud has been made of them.
-    const std::filesystem::path work = outdir / "work";
+    const std::filesystem::path work = outdir / ".cf-run-tiles";
     DirectoryTileStore store = DirectoryTileStore::create(work, fuse.tile_m, fuse.voxel_m);
     {
       TileMap map(fuse, store);
