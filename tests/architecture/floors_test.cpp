@@ -92,7 +92,7 @@ TEST_F(HouseRules, findOutsideLibrariesThatAreNotForTheLib) {
                       "libs/evaluate/src/a.cpp: includes gdal_priv.h (gdal), which is not for it",
                       "libs/evaluate/src/b.cpp: includes exiv2/exiv2.hpp, which is not a known "
                       "library",
-                      "libs/evaluate/src/b.cpp: includes zlib.h, which is not a known library",
+                      "libs/evaluate/src/b.cpp: includes zlib.h (zlib), which is not for it",
                       "libs/types/src/a.cpp: includes opencv2/imgproc.hpp (opencv), which is not "
                       "for it"}));
 }
