@@ -17,6 +17,7 @@ find_package(mrpt-maps REQUIRED)
 find_package(mrpt-graphs REQUIRED)
 find_package(mrpt-opengl REQUIRED)
 find_package(octomap REQUIRED)
+find_package(embree 3.13 REQUIRED)
 
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d flann)
 # OpenCV, PCL, GeographicLib and OctoMap export variables or plain targets: one imported target each.

@@ -32,7 +32,7 @@ const std::map<std::string, Lib> kLibs = {
     {"geometry", {2, {"opencv", "ceres"}}},
     {"geodesy", {2, {"geographiclib"}}},
     {"rawlog", {2, {"mrpt", "zlib"}}},
-    {"formats", {2, {"opencv", "pcl", "json"}}},
+    {"formats", {2, {"opencv", "pcl", "gdal", "json"}}},
     {"config", {2, {"mrpt", "json"}}},
     {"odometry", {3, {"opencv", "ceres", "tbb"}}},
     {"georeference", {3, {"opencv", "ceres", "mrpt", "tbb"}}},
@@ -43,6 +43,7 @@ const std::map<std::string, Lib> kLibs = {
     {"deliver", {3, {"gdal", "opencv", "mrpt", "json", "tbb"}}},
     {"view", {3, {"mrpt", "opencv", "octomap", "json", "tbb"}}},
     {"evaluate", {3, {"json", "tbb"}}},
+    {"simulate", {3, {"embree", "opencv", "json", "tbb"}}},
     {"pipeline", {4, {"tbb", "opencv", "json"}}},
 };
 const Names kAppOutside = {"cli11"};
@@ -72,6 +73,7 @@ const std::vector<Origin> kIncludes = {
     {std::regex("(octomap|octomath)/.*"), "octomap"},
     {std::regex("(gdal/)?(gdal|cpl|ogr|vrt)[a-z_0-9]*\\.h"), "gdal"},
     {std::regex("(oneapi/)?tbb/.*"), "tbb"},
+    {std::regex("embree3/.*"), "embree"},
     {std::regex("CLI/.*"), "cli11"},
 };
 const std::vector<Origin> kTargets = {
@@ -90,6 +92,7 @@ const std::vector<Origin> kTargets = {
     {std::regex("TBB::tbb"), "tbb"},
     {std::regex("CLI11::CLI11"), "cli11"},
     {std::regex("ZLIB::ZLIB"), "zlib"},
+    {std::regex("embree"), "embree"},
 };
 
 std::string originOf(const std::string& text, const std::vector<Origin>& origins) {
