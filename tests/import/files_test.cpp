@@ -6,7 +6,7 @@
 
 #include "cf/base/error.h"
 #include "cf/geodesy/utm.h"
-#include "cf/import/camera_ini.h"
+#include "cf/formats/camera_ini.h"
 #include "support/temp_folder.h"
 
 namespace cf {

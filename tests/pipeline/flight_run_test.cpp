@@ -10,7 +10,9 @@
 
 #include "cf/base/log.h"
 #include "cf/config/config.h"
+#include "cf/formats/float_raster.h"
 #include "cf/formats/ply.h"
+#include "cf/formats/tum.h"
 #include "cf/geometry/similarity.h"
 #include "support/synthetic_flight.h"
 #include "support/temp_folder.h"
@@ -64,6 +66,37 @@ Surface surfaceOf(const fs::path& ply, const Sim3& S_truth_est, double limit_m) 
   return s;
 }
 
+/// Of every depth on the photo's pixels: share of surface points within `limit_m` of the scene.
+Surface surfaceOfDepthMaps(const RunRecord& run, const fs::path& folder, const Sim3& S_truth_est,
+                           double limit_m) {
+  const support::HouseScene& scene = support::syntheticFlight().scene;
+  Surface s;
+  std::size_t good = 0;
+  for (const UavRecord& uav : run.uavs)
+    for (const PhotoPose& pose : uav.final_trajectory) {
+      const std::string stem = fs::path(uav.photos[pose.photo].name).stem().string();
+      const fs::path file = folder / uav.name / (stem + ".tif");
+      if (!fs::exists(file)) continue;
+      const FloatRaster map = readFloatRaster(file);
+      const int step = std::stoi(map.metadata.at("STEP"));
+      for (int j = 0; j < map.values.rows; ++j)
+        for (int i = 0; i < map.values.cols; ++i) {
+          const double depth = static_cast<double>(map.values.at<float>(j, i));
+          if (depth <= 0) continue;
+          const Eigen::Vector2d pixel(i * step, j * step);
+          const Eigen::Vector3d p =
+              S_truth_est *
+              (pose.T_world_cam *
+               Eigen::Vector3d(depth * uav.camera_after.undistort(pixel).homogeneous()));
+          if (std::abs(scene.distanceToWall(p.x(), p.y())) < 1) continue;
+          ++s.points;
+          if (std::abs(p.z() - scene.height(p.x(), p.y())) < limit_m) ++good;
+        }
+    }
+  s.share_within = static_cast<double>(good) / static_cast<double>(s.points);
+  return s;
+}
+
 class FlightRun : public ::testing::Test {
  protected:
   static RunRecord play(const fs::path& ini, const fs::path& outdir,
@@ -79,8 +112,9 @@ class FlightRun : public ::testing::Test {
 
 TEST_F(FlightRun, PosesAndSurfaceAreTheTruth) {
   const fs::path ini = support::writeSyntheticFlight(folder_ / "in");
-  const RunRecord run =
-      play(ini, folder_ / "out", {std::string("world.origin=") + SyntheticFlight::originText()});
+  const RunRecord run = play(ini, folder_ / "out",
+                             {std::string("world.origin=") + SyntheticFlight::originText(),
+                              "deliver.depth_maps=1", "deliver.html=0"});
   EXPECT_EQ(run.components, 1);
   EXPECT_GT(run.relative_poses.size(), 5u);
   ASSERT_EQ(run.uavs.size(), 3u);
@@ -102,6 +136,13 @@ TEST_F(FlightRun, PosesAndSurfaceAreTheTruth) {
   const Surface surface = surfaceOf(folder_ / "out/cloud/cloud.ply", se3.value(), 0.15);
   EXPECT_GT(surface.points, 500'000u);
   EXPECT_GT(surface.share_within, 0.95);
+
+  const Surface depth = surfaceOfDepthMaps(run, folder_ / "out/depth", se3.value(), 0.15);
+  EXPECT_GT(depth.points, 1'000'000u);
+  EXPECT_GT(depth.share_within, 0.95);
+  EXPECT_FALSE(fs::exists(folder_ / "out/report.html"));
+  for (const UavRecord& uav : run.uavs)
+    EXPECT_EQ(readTum(folder_ / "out/odometry" / (uav.name + ".tum")).size(), 5u);
 }
 
 TEST_F(FlightRun, WithoutGnssTheMapIsRelative) {

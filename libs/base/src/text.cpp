@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cf/base/text.h"
 
+#include <cmath>
+#include <locale>
+#include <sstream>
+
 namespace cf {
 
 std::string trimmed(const std::string& text) {
@@ -9,6 +13,16 @@ std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
   if (first == std::string::npos) return {};
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+std::optional<double> numberFrom(const std::string& text) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  double value = 0;
+  if (!(in >> value) || !std::isfinite(value)) return std::nullopt;
+  char rest = 0;
+  if (in >> rest) return std::nullopt;
+  return value;
 }
 
 }  // namespace cf

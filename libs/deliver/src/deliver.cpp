@@ -36,10 +36,12 @@ std::vector<std::string> allWarnings(const RunRecord& run) {
   return warnings;
 }
 
-void deliver(const RunRecord& run, const std::filesystem::path& outdir) {
+void deliver(const RunRecord& run, const std::filesystem::path& outdir,
+             const DeliverOptions& options) {
   writeWorldJson(run, outdir);
   writeImagesCsv(run, outdir);
   writeTrajectories(run, outdir);
+  writeOdometry(run, outdir);
   writeGeojson(run, outdir);
   writeKml(run, outdir);
   writeCameras(run, outdir);
@@ -49,7 +51,7 @@ void deliver(const RunRecord& run, const std::filesystem::path& outdir) {
   writeSparsePly(run, outdir);
   if (run.world.relative) logWarning(allWarnings(run).back());
   writeReportJson(run, outdir);
-  writeReportHtml(run, outdir);
+  if (options.html) writeReportHtml(run, outdir);
 }
 
 }  // namespace cf

@@ -58,6 +58,11 @@ void writeTrajectories(const RunRecord& run, const fs::path& outdir) {
   }
 }
 
+void writeOdometry(const RunRecord& run, const fs::path& outdir) {
+  for (const auto& uav : run.uavs)
+    writeTum(outPath(outdir, "odometry", uav.name + ".tum"), timed(uav, uav.local_trajectory));
+}
+
 void writeGeojson(const RunRecord& run, const fs::path& outdir) {
   if (run.world.relative) return;
   const LocalFrame frame = frameOf(run.world);

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "cf/base/error.h"
-#include "cf/import/camera_ini.h"
+#include "cf/formats/camera_ini.h"
 #include "cf/rawlog/rawlog_writer.h"
 #include "flight.h"
 #include "photo_files.h"

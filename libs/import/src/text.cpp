@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "text.h"
 
-#include <cmath>
-#include <locale>
+#include <optional>
 #include <sstream>
 
 namespace cf {
@@ -13,16 +12,6 @@ std::vector<std::string> wordsOf(const std::string& text) {
   std::istringstream in(text);
   for (std::string word; in >> word;) words.push_back(word);
   return words;
-}
-
-std::optional<double> numberFrom(const std::string& text) {
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  double value = 0;
-  if (!(in >> value) || !std::isfinite(value)) return std::nullopt;
-  char rest = 0;
-  if (in >> rest) return std::nullopt;
-  return value;
 }
 
 std::vector<double> numbersIn(const std::string& text) {

@@ -10,11 +10,13 @@
 
 #include "cf/base/error.h"
 #include "cf/base/progress.h"
+#include "cf/formats/float_raster.h"
 #include "cf/formats/ply.h"
 #include "cf/formats/tile_store.h"
 #include "cf/fuse/deliver_cloud.h"
 #include "cf/fuse/voxel_tile_map.h"
 #include "cf/geometry/depth_triangulation.h"
+#include "depth_maps.h"
 #include "photo_decoder.h"
 
 namespace cf {
@@ -73,22 +75,24 @@ std::vector<MapPoint> sample(const std::vector<Contribution::Frame>& frames, int
 class DenseMapper {
  public:
   DenseMapper(const std::vector<std::vector<ImageFrame>>& photos, const Alignment& alignment,
-              const RunOptions& options, StageTimes& times)
+              const RunOptions& options, const std::filesystem::path& outdir, StageTimes& times)
       : photos_(photos),
         alignment_(alignment),
         options_(options),
+        outdir_(outdir),
         times_(times),
         views_(denseViews(alignment)),
         // Half the area is common to a pair: twice the pixels keep its resolution.
-        cache_(2 * options.densify.megapixels, kCachedPhotos) {}
+        cache_(2 * options.densify.megapixels, kCachedPhotos),
+        depth_maps_(options.densify.megapixels) {}
 
-  DenseSummary run(const std::filesystem::path& outdir) {
+  DenseSummary run() {
     if (views_.empty()) return summary_;
     const FuseOptions fuse =
         options_.fuse.resolved(matchedGroundSize(views_, options_.densify.megapixels));
     summary_.voxel_m = fuse.voxel_m;
     // Raw tiles live beside the result until the finished cloud has been made of them.
-    const std::filesystem::path work = outdir / ".cf-run-tiles";
+    const std::filesystem::path work = outdir_ / ".cf-run-tiles";
     DirectoryTileStore store = DirectoryTileStore::create(work, fuse.tile_m, fuse.voxel_m);
     {
       TileMap map(fuse, store);
@@ -96,7 +100,7 @@ class DenseMapper {
       const StageTimes::Scope scope(times_, "fuse", CpuClock::kProcess);
       map.flush();
     }
-    deliver(store, fuse, outdir);
+    deliver(store, fuse);
     std::filesystem::remove_all(work);
     return summary_;
   }
@@ -185,19 +189,35 @@ class DenseMapper {
       ++summary_.depth_frames;
     }
     for (const auto& [code, count] : contribution.failures) summary_.failures[code] += count;
+    if (options_.deliver.depth_maps) mapDepth(contribution);
     if (!contribution.frames.empty())
       rays_.emplace_back(contribution.reference,
                          sample(contribution.frames, options_.octomap.rays_per_keyframe));
     summary_.finished_s[contribution.reference] = wallSeconds();
   }
 
-  void deliver(DirectoryTileStore& store, const FuseOptions& fuse,
-               const std::filesystem::path& outdir) {
+  /// A pair is matched from the first of its photos: when a photo's turn has come, its pairs with
+  /// all earlier ones are there, and its map is complete.
+  void mapDepth(const Contribution& contribution) {
+    for (const auto& frame : contribution.frames) {
+      depth_maps_.add(view(contribution.reference), frame.points);
+      depth_maps_.add(view(frame.partner), frame.points);
+    }
+    const FrameId id = contribution.reference;
+    const std::optional<FloatRaster> map = depth_maps_.take(id);
+    if (!map) return;
+    const std::filesystem::path folder = outdir_ / "depth" / options_.uavs[id.uav].name;
+    std::filesystem::create_directories(folder);
+    const std::filesystem::path photo = photos_[id.uav][id.index].name;
+    writeFloatRaster(folder / (photo.stem().string() + ".tif"), *map);
+  }
+
+  void deliver(DirectoryTileStore& store, const FuseOptions& fuse) {
     const StageTimes::Scope scope(times_, "deliver_cloud", CpuClock::kProcess);
     OctoMapBuilder octomap(options_.octomap.resolved(fuse.voxel_m));
     DirectoryTileStore tiles =
-        DirectoryTileStore::create(outdir / "cloud", fuse.tile_m, fuse.voxel_m);
-    PlyWriter ply(outdir / "cloud" / "cloud.ply");
+        DirectoryTileStore::create(outdir_ / "cloud", fuse.tile_m, fuse.voxel_m);
+    PlyWriter ply(outdir_ / "cloud" / "cloud.ply");
     const Delivery delivery = deliverCloud(store, fuse, [&](const Tile& tile) {
       for (const TilePoint& p : tile.points) {
         const Eigen::Vector3d world = tile.offset_m + p.position_m.cast<double>();
@@ -211,15 +231,17 @@ class DenseMapper {
     summary_.points = delivery.points;
     for (const auto& [id, points] : rays_)
       octomap.carve(alignment_.table.poses.at(id).T_world_cam.translation(), points);
-    octomap.write(outdir / "octomap");
+    octomap.write(outdir_ / "octomap");
   }
 
   const std::vector<std::vector<ImageFrame>>& photos_;
   const Alignment& alignment_;
   const RunOptions& options_;
+  const std::filesystem::path outdir_;
   StageTimes& times_;
   const std::vector<DenseView> views_;
   PhotoCache cache_;
+  DepthMaps depth_maps_;
   std::map<FrameId, std::vector<FrameId>> partners_;
   std::vector<std::pair<FrameId, std::vector<MapPoint>>> rays_;
   DenseSummary summary_;
@@ -230,7 +252,7 @@ class DenseMapper {
 DenseSummary mapDensely(const std::vector<std::vector<ImageFrame>>& photos,
                         const Alignment& alignment, const RunOptions& options,
                         const std::filesystem::path& outdir, StageTimes& times) {
-  return DenseMapper(photos, alignment, options, times).run(outdir);
+  return DenseMapper(photos, alignment, options, outdir, times).run();
 }
 
 }  // namespace cf

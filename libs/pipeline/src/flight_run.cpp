@@ -18,8 +18,8 @@
 #include "cf/config/config.h"
 #include "cf/deliver/deliver.h"
 #include "cf/formats/atomic_file.h"
+#include "cf/formats/camera_ini.h"
 #include "cf/geodesy/local_frame.h"
-#include "cf/import/camera_ini.h"
 #include "cf/rawlog/rawlog_reader.h"
 #include "cf/view/render.h"
 #include "dense_mapping.h"
@@ -35,16 +35,21 @@ void removeEarlierResult(const fs::path& outdir) {
   constexpr std::pair<const char*, const char*> kFiles[] = {
       {"images", ".csv"},       {"trajectories", ".tum"}, {"trajectories", ".csv"},
       {"trajectories", ".kml"}, {"cameras", ".ini"},      {"trajectories", ".geojson"},
-      {"scale", ".csv"},        {"graphs", ".graph"},     {"cloud", ".ply"},
-      {"cloud", ".json"},       {"cloud/tiles", ".pcd"},  {"snapshots", ".png"}};
+      {"scale", ".csv"},        {"odometry", ".tum"},     {"graphs", ".graph"},
+      {"cloud", ".ply"},        {"cloud", ".json"},       {"cloud/tiles", ".pcd"},
+      {"snapshots", ".png"}};
   std::vector<fs::path> files;
   for (const char* name : {"report.json", "report.html", "world.json", "relative_poses.csv",
                            "octomap.ot", "octomap.bt", "map.3Dscene"})
     files.push_back(outdir / name);
   std::error_code error;
-  for (const auto& [folder, extension] : kFiles)
-    for (const auto& item : fs::directory_iterator(outdir / folder, error))
+  const auto collect = [&](const fs::path& folder, const char* extension) {
+    for (const auto& item : fs::directory_iterator(folder, error))
       if (item.path().extension() == extension) files.push_back(item.path());
+  };
+  for (const auto& [folder, extension] : kFiles) collect(outdir / folder, extension);
+  for (const auto& uav : fs::directory_iterator(outdir / "depth", error))
+    collect(uav.path(), ".tif");
   for (const fs::path& file : files) {
     fs::remove(file, error);
     if (error) throw RunError(file.string() + " cannot be replaced: " + error.message());
@@ -244,7 +249,7 @@ class FlightRun {
   void deliverAll(const DenseSummary& dense) {
     record_.stages = times_.all();
     record_.peak_rss_mb = peakRssMegabytes();
-    deliver(record_, request_.outdir);
+    deliver(record_, request_.outdir, options_.deliver);
     if (!options_.view.snapshots) return;
     if (dense.points == 0) {
       warn("no snapshots: the dense cloud is empty");
@@ -256,7 +261,7 @@ class FlightRun {
     record_.stages = times_.all();
     record_.peak_rss_mb = peakRssMegabytes();
     writeReportJson(record_, request_.outdir);
-    writeReportHtml(record_, request_.outdir);
+    if (options_.deliver.html) writeReportHtml(record_, request_.outdir);
   }
 
   const RunOptions& options_;

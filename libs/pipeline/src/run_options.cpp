@@ -73,6 +73,7 @@ RunOptions loadRunOptions(Config& config) {
   config.load("densify", options.densify);
   config.load("fuse", options.fuse);
   config.load("octomap", options.octomap);
+  config.load("deliver", options.deliver);
   config.load("view", options.view);
   config.load("system", options.system);
   config.rejectUnknown();

@@ -104,6 +104,7 @@ class Chain {
       record.segment = keyframe->segment;
       record.matches = keyframe->matches;
       record.inliers = keyframe->inliers;
+      result_.record.local_trajectory.push_back({keyframe->id.index, keyframe->T_local_cam});
       collect(georeferencer_.push(keyframe));
     }
   }

@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace cf {
 
 /// Without the white space at both ends.
 std::string trimmed(const std::string& text);
+
+/// A finite number ("+1.5", "-3e2") that is the whole text; whatever the locale.
+std::optional<double> numberFrom(const std::string& text);
 
 }  // namespace cf

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cf/deliver/deliver_options.h"
 #include "cf/deliver/run_record.h"
 
 namespace cf {
@@ -21,6 +22,9 @@ void writeWorldJson(const RunRecord& run, const std::filesystem::path& outdir);
 void writeImagesCsv(const RunRecord& run, const std::filesystem::path& outdir);
 /// <uav>.tum, <uav>.online.tum and, unless the map is relative, <uav>.ecef.csv.
 void writeTrajectories(const RunRecord& run, const std::filesystem::path& outdir);
+/// odometry/<uav>.tum: T_local_cam as odometry gave it, VO units; images/<uav>.csv tells each
+/// photo's segment, and every segment has a local frame and a scale of its own.
+void writeOdometry(const RunRecord& run, const std::filesystem::path& outdir);
 /// trajectories/all.geojson (RFC 7946: a line for each UAV, a point for each photo). Nothing is
 /// written for a relative map; the same holds for all.kml.
 void writeGeojson(const RunRecord& run, const std::filesystem::path& outdir);
@@ -36,8 +40,9 @@ void writeSparsePly(const RunRecord& run, const std::filesystem::path& outdir);
 /// The run's warnings and those about its products: what was left out and what heights count from.
 std::vector<std::string> allWarnings(const RunRecord& run);
 
-/// All of them, the report last. Call it after the snapshots have been rendered, or write
-/// report.html again then.
-void deliver(const RunRecord& run, const std::filesystem::path& outdir);
+/// All of them that the options do not leave out, the report last. Call it after the snapshots have
+/// been rendered, or write report.html again then.
+void deliver(const RunRecord& run, const std::filesystem::path& outdir,
+             const DeliverOptions& options = {});
 
 }  // namespace cf

@@ -56,6 +56,8 @@ struct UavRecord {
   std::vector<PhotoRecord> photos;           ///< in time order
   std::vector<PhotoPose> final_trajectory;   ///< by photo; those of status posed
   std::vector<PhotoPose> online_trajectory;  ///< as known when each photo had been processed
+  /// By photo: T_local_cam of its segment in VO units, in place of T_world_cam.
+  std::vector<PhotoPose> local_trajectory;
   CameraModel camera_before, camera_after;
   std::vector<ScaleRow> scale_history;  ///< in time order
   GnssQuality gnss;

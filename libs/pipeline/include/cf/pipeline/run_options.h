@@ -8,6 +8,7 @@
 
 #include "cf/align/aligner.h"
 #include "cf/base/options.h"
+#include "cf/deliver/deliver_options.h"
 #include "cf/densify/densify.h"
 #include "cf/fuse/fuse_options.h"
 #include "cf/fuse/octomap_builder.h"
@@ -73,6 +74,7 @@ struct RunOptions {
   DensifyOptions densify;
   FuseOptions fuse;
   OctomapOptions octomap;
+  DeliverOptions deliver;
   ViewOptions view;
   SystemOptions system;
 };

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 ClusterFusion authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cf/import/camera_ini.h"
+#include "cf/formats/camera_ini.h"
 
 #include <fmt/format.h>
 
@@ -9,13 +9,14 @@
 #include <map>
 
 #include "cf/base/error.h"
-#include "text.h"
+#include "cf/base/text.h"
 
 namespace cf {
 namespace {
 
-/// Keys and values of [camera]; comments start with ; or #.
-std::map<std::string, double> cameraSection(const std::filesystem::path& file) {
+/// Keys and values of one section; comments start with ; or #.
+std::map<std::string, double> readSection(const std::filesystem::path& file,
+                                          const std::string& wanted) {
   std::ifstream in(file);
   if (!in) throw UsageError(fmt::format("{} cannot be read: is it there?", file.string()));
   std::map<std::string, double> values;
@@ -27,7 +28,7 @@ std::map<std::string, double> cameraSection(const std::filesystem::path& file) {
       section = line;
       continue;
     }
-    if (section != "[camera]") continue;
+    if (section != "[" + wanted + "]") continue;
     const std::size_t equals = line.find('=');
     const std::string key = trimmed(line.substr(0, equals));
     const auto value =
@@ -43,8 +44,8 @@ std::map<std::string, double> cameraSection(const std::filesystem::path& file) {
 
 }  // namespace
 
-CameraModel readCameraIni(const std::filesystem::path& file) {
-  std::map<std::string, double> values = cameraSection(file);
+CameraModel readCameraIni(const std::filesystem::path& file, const std::string& section) {
+  std::map<std::string, double> values = readSection(file, section);
   const auto take = [&values](const char* key, double otherwise) {
     const auto node = values.extract(key);
     return node.empty() ? otherwise : node.mapped();
@@ -53,7 +54,8 @@ CameraModel readCameraIni(const std::filesystem::path& file) {
     const double value = take(key, 0);
     constexpr double kMost = 1e6;
     if (!(value > 0 && value < kMost))
-      throw UsageError(fmt::format("{}: [camera] needs {} in pixels, above 0", file.string(), key));
+      throw UsageError(
+          fmt::format("{}: [{}] needs {} in pixels, above 0", file.string(), section, key));
     return value;
   };
   CameraModel camera;
@@ -73,12 +75,12 @@ CameraModel readCameraIni(const std::filesystem::path& file) {
   camera.k2_sigma = take("k2_sigma", 0);
   if (!(camera.fy > 0) || camera.focal_sigma < 0 || camera.k1_sigma < 0 || camera.k2_sigma < 0)
     throw UsageError(
-        fmt::format("{}: [camera] fy must be above 0, and no sigma below 0", file.string()));
+        fmt::format("{}: [{}] fy must be above 0, and no sigma below 0", file.string(), section));
   if (!values.empty())
     throw UsageError(
-        fmt::format("{}: [camera] has no key {}: known are width height fx fy cx cy "
+        fmt::format("{}: [{}] has no key {}: known are width height fx fy cx cy "
                     "k1 k2 p1 p2 k3 focal_sigma k1_sigma k2_sigma",
-                    file.string(), values.begin()->first));
+                    file.string(), section, values.begin()->first));
   return camera;
 }
 
