@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "cf/base/options.h"
+
+namespace cf {
+
+/// Section [deliver].
+struct DeliverOptions {
+  bool html = true;
+  bool depth_maps = false;
+
+  void visit(OptionVisitor& v);
+};
+
+}  // namespace cf

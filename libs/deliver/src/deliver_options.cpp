@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/deliver/deliver_options.h"
+
+namespace cf {
+
+void DeliverOptions::visit(OptionVisitor& v) {
+  v.flag("html", html, "write report.html");
+  v.flag("depth_maps", depth_maps,
+         "write depth/<uav>/<photo>.tif: depth along the optical axis [m] on every STEP-th pixel "
+         "of the photo, 0 = nothing");
+}
+
+}  // namespace cf
