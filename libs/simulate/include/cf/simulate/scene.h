@@ -54,8 +54,11 @@ class Scene {
   double groundHeight(double x, double y) const;
   const Eigen::AlignedBox2d& area() const;
 
- private:
   class Impl;
+  /// For the photographer.
+  const Impl& impl() const;
+
+ private:
   std::unique_ptr<Impl> impl_;
 };
 
