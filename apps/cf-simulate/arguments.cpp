@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "arguments.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "cf/base/error.h"
+
+namespace cf {
+
+std::optional<SimulateArguments> simulateArguments(int argc, char** argv) {
+  SimulateArguments arguments;
+  CLI::App app{
+      "Flies simulated UAVs over a simulated world: writes rawlogs, photos and config.ini as "
+      "cf-import does, and the exact truth beside them in OUTDIR/truth/.",
+      "cf-simulate"};
+  app.set_version_flag("--version", "cf-simulate " CF_VERSION);
+  app.add_option("config", arguments.config, "what to simulate (docs/simulate.md)")
+      ->required()
+      ->type_name("SIM.ini");
+  app.add_option("-o,--output", arguments.request.outdir, "folder to write")
+      ->required()
+      ->type_name("OUTDIR");
+  app.add_option("-s,--set", arguments.overrides, "override a setting; repeat it for more")
+      ->allow_extra_args(false)
+      ->type_name("section.key=value");
+  app.add_flag("-w,--overwrite", arguments.request.overwrite, "replace an earlier simulation");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    app.exit(help);
+    return std::nullopt;
+  } catch (const CLI::ParseError& e) {
+    throw UsageError(std::string(e.what()) + " (see cf-simulate --help)");
+  }
+  return arguments;
+}
+
+void printSummary(const SimulationSummary& summary, const std::filesystem::path& outdir) {
+  std::size_t photos = 0;
+  for (const SimulatedUavSummary& uav : summary.uavs) {
+    fmt::print("{}: {} photos in {} strip{} from {:.0f} m, a pixel shows {:.1f} cm; {} fixes\n",
+               uav.name, uav.photos, uav.strips, uav.strips == 1 ? "" : "s", uav.height_m,
+               100 * uav.gsd_m, uav.fixes);
+    photos += uav.photos;
+  }
+  fmt::print("{} photos, {:.2f} s each to render, {:.1f} s in all\nwrote {}\n", photos,
+             summary.render_wall_s / static_cast<double>(std::max<std::size_t>(1, photos)),
+             summary.wall_s, outdir.string());
+}
+
+}  // namespace cf

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "arguments.h"
+#include "cf/base/error.h"
+#include "cf/config/config.h"
+
+namespace {
+
+int run(int argc, char** argv) {
+  const auto arguments = cf::simulateArguments(argc, argv);
+  if (!arguments) return 0;  // --help, --version
+  cf::Config config = cf::Config::fromFile(arguments->config);
+  for (const std::string& assignment : arguments->overrides) config.override(assignment);
+  cf::printSummary(cf::simulate(config, arguments->request), arguments->request.outdir);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return cf::exitStatusOf("cf-simulate", run, argc, argv); }
