@@ -171,10 +171,18 @@ TEST_F(Deliver, EveryFileOfTheContractIsThere) {
        {"report.json", "report.html", "world.json", "images/east.csv", "trajectories/east.tum",
         "trajectories/east.online.tum", "trajectories/east.ecef.csv", "trajectories/all.geojson",
         "trajectories/all.kml", "cameras/east.ini", "scale/east.csv", "graphs/east.graph",
-        "relative_poses.csv", "cloud/sparse.ply"})
+        "relative_poses.csv", "cloud/sparse.ply", "odometry/east.tum"})
     EXPECT_TRUE(fs::is_regular_file(dir_ / file)) << file;
   for (const auto& entry : fs::recursive_directory_iterator(dir_))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+}
+
+TEST_F(Deliver, ThePageIsLeftOutWhereItIsNotWanted) {
+  DeliverOptions options;
+  options.html = false;
+  deliver(makeRun(), dir_, options);
+  EXPECT_TRUE(fs::exists(dir_ / "report.json"));
+  EXPECT_FALSE(fs::exists(dir_ / "report.html"));
 }
 
 TEST_F(Deliver, CsvHeadersAreExact) {
