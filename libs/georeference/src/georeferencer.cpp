@@ -7,16 +7,11 @@
 #include <deque>
 
 #include "fix_track.h"
-#include "segment.h"
+#include "method.h"
 
 namespace cf {
 namespace {
 
-constexpr int kRoundsPerKeyframe = 2;
-constexpr int kRoundsAtFlush = 12;
-constexpr int kIterations = 12;
-constexpr double kSettled = 0.01;      ///< relative change of the noise between rounds
-constexpr double kGrowth = 1.1;        ///< of a segment between full solves
 constexpr int kFewestJudged = 4;       ///< fixes below which noise is not judged
 constexpr double kMostOutliers = 0.3;  ///< share above which the receiver is not trusted
 
@@ -29,6 +24,9 @@ double lowChiSquareRatio(double n) {
 }  // namespace
 
 void GeoreferenceOptions::visit(OptionVisitor& v) {
+  v.choice("method", method, georeferenceMethods(),
+           "two_stage: the paper's, the scale is a state; global_fusion: the baseline without one, "
+           "after VINS-Fusion");
   v.number("vo_rotation_sigma", vo_rotation_sigma_deg, {1e-4, 10},
            "rotation error of one odometry step [deg]");
   v.number("vo_step_sigma", vo_step_sigma, {1e-5, 1},
@@ -61,6 +59,12 @@ void GeoreferenceOptions::visit(OptionVisitor& v) {
             "up to this many photos each one re-solves its whole segment");
   v.integer("window", window_keyframes, {2, 100000},
             "in longer segments, photos solved at each new one; all of them when grown by a tenth");
+  v.number("fusion_rotation_sigma", fusion_rotation_sigma_deg, {1e-4, 90},
+           "global_fusion: rotation error of one odometry step [deg]");
+  v.number("fusion_step_sigma", fusion_step_sigma_m, {1e-5, 1000},
+           "global_fusion: translation error of one odometry step [m]");
+  v.integer("fusion_start_fixes", fusion_start_fixes, {2, 100000},
+            "global_fusion: with so many fixes the scale is set for good");
 }
 
 class Georeferencer::Impl {
@@ -69,7 +73,8 @@ class Georeferencer::Impl {
       : uav_(uav),
         options_(options),
         fix_to_world_(std::move(fix_to_world)),
-        track_(options.max_gap_s, options.acceleration_sigma_mps2) {}
+        track_(options.max_gap_s, options.acceleration_sigma_mps2),
+        method_(makeMethod(options)) {}
 
   void addFix(const GnssFix& fix) { track_.add(fix.time, {fix_to_world_(fix), fix.sigma_enu_m}); }
 
@@ -80,7 +85,8 @@ class Georeferencer::Impl {
 
   std::vector<GeoKeyframe> flush() {
     std::vector<GeoKeyframe> out = release(true);
-    solveAll();
+    method_->finish(segments_);
+    for (const Segment& segment : segments_) publish(segment);
     return out;
   }
 
@@ -96,12 +102,12 @@ class Georeferencer::Impl {
         }
     if (q.fixes == 0) return q;
     tagged = (tagged / q.fixes).cwiseSqrt();
-    q.sigma_m = tagged.cwiseProduct(noise().factor);
+    q.sigma_m = tagged.cwiseProduct(measuredNoise(segments_, options_).factor);
     q.trusted = trusted(q, tagged);
     return q;
   }
 
-  std::string graphText() const { return poseGraphText(segments_, published_, noise(), options_); }
+  std::string graphText() const { return poseGraphText(segments_, published_, *method_); }
 
   const std::vector<GeoSegment>& published() const { return published_; }
   const std::vector<ScaleSample>& history() const { return history_; }
@@ -132,7 +138,7 @@ class Georeferencer::Impl {
                                           segment.nodes.back().keyframe->T_local_cam.translation())
                                              .norm());
     segment.nodes.push_back(std::move(node));
-    update(segment);
+    method_->update(segments_, static_cast<std::size_t>(&segment - segments_.data()));
     publish(segment);
     const GeoSegment& p = published_[static_cast<std::size_t>(&segment - segments_.data())];
     history_.push_back(
@@ -147,66 +153,6 @@ class Georeferencer::Impl {
     segments_.insert(it, Segment{})->number = number;
     published_.insert(published_.begin() + at, GeoSegment{})->id = {uav_, number};
     return segments_[static_cast<std::size_t>(at)];
-  }
-
-  /// One new keyframe: the whole segment while it is short or has grown by a tenth, else the last
-  /// ones only, so that the mean cost of a keyframe is bounded.
-  void update(Segment& segment) {
-    const std::size_t n = segment.nodes.size();
-    const bool small = n <= static_cast<std::size_t>(options_.full_solve_keyframes);
-    if (small || !segment.solved ||
-        static_cast<double>(n) >= kGrowth * static_cast<double>(segment.full_solve_size)) {
-      // Short segments start afresh: nothing wrong from the first photos can stay.
-      if (!small && segment.solved)
-        continueFrom(segment, n - 1);
-      else if (!initialise(segment, options_))
-        return;
-      segment.full_solve_size = n;
-      for (int round = 0; round < kRoundsPerKeyframe; ++round) solveOnce(segment, 0);
-      return;
-    }
-    continueFrom(segment, n - 1);
-    const std::size_t window = std::min(n - 1, static_cast<std::size_t>(options_.window_keyframes));
-    solveOnce(segment, n - window);
-  }
-
-  void solveOnce(Segment& segment, std::size_t first_free) {
-    const Noise now = noise();
-    gateFixes(segment, now);
-    solve(segment, now, options_, first_free, kIterations);
-  }
-
-  /// Predicts nodes from `first` on by odometry.
-  void continueFrom(Segment& segment, std::size_t first) const {
-    for (std::size_t j = std::max<std::size_t>(first, 1); j < segment.nodes.size(); ++j) {
-      Eigen::Isometry3d T_i_j = incrementTo(segment, j, options_).T_i_j;
-      T_i_j.translation() *= segment.scale;
-      segment.nodes[j].T_world_cam = segment.nodes[j - 1].T_world_cam * T_i_j;
-    }
-  }
-
-  void solveAll() {
-    for (Segment& segment : segments_) segment.solved = initialise(segment, options_);
-    Noise before = noise();
-    for (int round = 0; round < kRoundsAtFlush; ++round) {
-      for (Segment& segment : segments_)
-        if (segment.solved) {
-          gateFixes(segment, before);
-          solve(segment, before, options_, 0, kIterations);
-        }
-      const Noise now = noise();
-      const double change =
-          (now.weighed().cwiseQuotient(before.weighed()).array() - 1).abs().maxCoeff();
-      before = now;
-      if (change < kSettled) break;
-    }
-    for (Segment& segment : segments_) publish(segment);
-  }
-
-  Noise noise() const {
-    NoiseSums sums;
-    for (const Segment& segment : segments_) sums += segment.noise;
-    return noiseOf(sums, options_.prior_dof);
   }
 
   bool trusted(const GnssQuality& q, const Eigen::Vector3d& tagged) const {
@@ -233,8 +179,8 @@ class Georeferencer::Impl {
   void publish(const Segment& segment) {
     GeoSegment& out = published_[static_cast<std::size_t>(&segment - segments_.data())];
     out.georeferenced = accepted(segment);
-    out.scale = out.georeferenced ? segment.scale : 1;
-    out.scale_sigma = out.georeferenced ? segment.scale * segment.log_scale_sigma : 0;
+    out.scale = out.georeferenced ? method_->scaleOf(segment) : 1;
+    out.scale_sigma = out.georeferenced ? out.scale * segment.log_scale_sigma : 0;
     out.poses.clear();
     for (const Node& node : segment.nodes) {
       GeoSegment::Pose pose;
@@ -261,6 +207,7 @@ class Georeferencer::Impl {
   const GeoreferenceOptions options_;
   FixToWorld fix_to_world_;
   FixTrack track_;
+  std::unique_ptr<GeoreferenceMethod> method_;
   std::deque<std::shared_ptr<const Keyframe>> waiting_;
   std::vector<Segment> segments_;  ///< by number
   std::vector<GeoSegment> published_;

@@ -223,6 +223,19 @@ int Segment::fixes() const {
       std::count_if(nodes.begin(), nodes.end(), [](const Node& n) { return n.fix.has_value(); }));
 }
 
+Eigen::Isometry3d incrementTo(const Segment& segment, std::size_t j) {
+  return segment.nodes[j - 1].keyframe->T_local_cam.inverse() *
+         segment.nodes[j].keyframe->T_local_cam;
+}
+
+void predictLast(Segment& segment) {
+  const std::size_t last = segment.nodes.size() - 1;
+  if (last == 0) return;
+  Eigen::Isometry3d T_i_j = incrementTo(segment, last);
+  T_i_j.translation() *= segment.scale;
+  segment.nodes[last].T_world_cam = segment.nodes[last - 1].T_world_cam * T_i_j;
+}
+
 bool initialise(Segment& segment, const GeoreferenceOptions& options) {
   std::vector<Eigen::Vector3d> fixes, centres;
   double threshold = 0;

@@ -38,6 +38,12 @@ Noise noiseOf(const NoiseSums& sums, double prior_dof) {
   return noise;
 }
 
+Noise measuredNoise(const std::vector<Segment>& segments, const GeoreferenceOptions& options) {
+  NoiseSums sums;
+  for (const Segment& segment : segments) sums += segment.noise;
+  return noiseOf(sums, options.prior_dof);
+}
+
 void gateFixes(Segment& segment, const Noise& noise) {
   const bool enough = segment.fixes() >= kFewestGated;
   for (Node& node : segment.nodes) {

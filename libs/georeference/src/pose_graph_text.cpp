@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "segment.h"
+#include "method.h"
 
 namespace cf {
 namespace {
@@ -40,8 +40,9 @@ CPose3DPDFGaussianInf edge(const Eigen::Isometry3d& T, const Eigen::Vector3d& tr
 }  // namespace
 
 std::string poseGraphText(const std::vector<Segment>& segments,
-                          const std::vector<GeoSegment>& published, const Noise& noise,
-                          const GeoreferenceOptions& options) {
+                          const std::vector<GeoSegment>& published,
+                          const GeoreferenceMethod& method) {
+  const Noise noise = method.weights(segments);
   CNetworkOfPoses3DInf graph;
   graph.root = kWorld;
   graph.nodes[kWorld] = CPose3D();
@@ -49,14 +50,14 @@ std::string poseGraphText(const std::vector<Segment>& segments,
   for (std::size_t s = 0; s < segments.size(); ++s) {
     const Segment& segment = segments[s];
     const bool georeferenced = published[s].georeferenced;
-    const double scale = published[s].scale;
+    const double scale = georeferenced ? segment.scale : 1;
     for (std::size_t i = 0; i < segment.nodes.size(); ++i) {
       const Node& node = segment.nodes[i];
       const auto id = static_cast<mrpt::graphs::TNodeID>(node.keyframe->id.index) + 1;
       const Eigen::Isometry3d& T = published[s].poses[i].T_world_cam;
       graph.nodes[id] = toMrpt(T);
       if (i > 0) {
-        Increment increment = incrementTo(segment, i, options);
+        Increment increment = method.increment(segment, i);
         increment.T_i_j.translation() *= scale;
         const auto before =
             static_cast<mrpt::graphs::TNodeID>(segment.nodes[i - 1].keyframe->id.index) + 1;

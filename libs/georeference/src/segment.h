@@ -59,6 +59,7 @@ struct Segment {
   bool solved = false;
   double longest_step = 0;          ///< of odometry [VO units]
   std::size_t full_solve_size = 0;  ///< keyframes at the last full solve
+  bool scale_held = false;          ///< global_fusion: set for good
   NoiseSums noise;
 
   int fixes() const;
@@ -73,7 +74,11 @@ struct Increment {
   double rotation_sigma_rad;
   double translation_sigma;  ///< [VO units]
 };
-Increment incrementTo(const Segment& segment, std::size_t j, const GeoreferenceOptions& options);
+/// Without sigmas.
+Eigen::Isometry3d incrementTo(const Segment& segment, std::size_t j);
+
+/// Predicts the last node from the one before: its increment at the segment's scale.
+void predictLast(Segment& segment);
 
 /// World poses of all nodes from one rigid similarity of the odometry to the fixes, robust.
 /// Returns false without any fix. `segment.noise` is set from the rigid residuals.
@@ -85,11 +90,8 @@ void gateFixes(Segment& segment, const Noise& noise);
 /// Sets `segment.noise` from the current poses, outliers left out.
 void measureNoise(Segment& segment, const Noise& used);
 
-/// Minimises residuals (5), (6) and the attitude priors over nodes from `first_free` on, and over
-/// the scale if that is 0; then sets covariances and `segment.noise` of all nodes. A segment whose
-/// estimate is not finite ends unsolved.
-void solve(Segment& segment, const Noise& noise, const GeoreferenceOptions& options,
-           std::size_t first_free, int max_iterations);
+/// Of the receiver, from all segments as last measured.
+Noise measuredNoise(const std::vector<Segment>& segments, const GeoreferenceOptions& options);
 
 /// Exact marginal covariances of a chain with one border variable. The information matrix is block
 /// tridiagonal (diagonal[i]; upper[i] between i and i+1) with the border column and corner.
@@ -103,10 +105,5 @@ struct ChainCovariance {
   double corner = 0;
 };
 ChainCovariance marginals(const ChainInformation& information);
-
-/// MRPT text of the graph of all segments.
-std::string poseGraphText(const std::vector<Segment>& segments,
-                          const std::vector<GeoSegment>& published, const Noise& noise,
-                          const GeoreferenceOptions& options);
 
 }  // namespace cf

@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ceres/ceres.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "method.h"
 #include "residuals.h"
-#include "segment.h"
 
 namespace cf {
 namespace {
 
+constexpr int kIterations = 12;
 constexpr double kHuberFix = 2.5;      ///< in sigmas
 constexpr double kCauchyAttitude = 2;  ///< in sigmas
 constexpr double kLooseYaw = M_PI;     ///< nothing known of the heading
@@ -20,8 +20,11 @@ constexpr double kLooseLogScale = 3;   ///< a factor of 20 either way
 /// The parameters and residuals of one segment, linearised at its current estimate.
 class Linearised {
  public:
-  Linearised(const Segment& segment, const Noise& noise, const GeoreferenceOptions& options)
-      : segment_(segment), options_(options), blocks_(segment.nodes.size()) {
+  Linearised(const Segment& segment, const Noise& noise, const GeoreferenceMethod& method)
+      : segment_(segment),
+        method_(method),
+        options_(method.options()),
+        blocks_(segment.nodes.size()) {
     for (auto& block : blocks_) {
       block.fill(0);
       problem_.AddParameterBlock(block.data(), 6);
@@ -35,15 +38,13 @@ class Linearised {
     add<LooseResidual, 1, 1>({0, kLooseLogScale}, nullptr, &log_scale_);
   }
 
-  void minimise(std::size_t first_free, int max_iterations) {
-    if (first_free > 0) {
-      for (std::size_t i = 0; i < first_free; ++i)
-        problem_.SetParameterBlockConstant(blocks_[i].data());
-      problem_.SetParameterBlockConstant(&log_scale_);
-    }
+  void minimise(std::size_t first_free) {
+    for (std::size_t i = 0; i < first_free; ++i)
+      problem_.SetParameterBlockConstant(blocks_[i].data());
+    if (first_free > 0 || !method_.scaleIsState()) problem_.SetParameterBlockConstant(&log_scale_);
     ceres::Solver::Options solver;
     solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    solver.max_num_iterations = max_iterations;
+    solver.max_num_iterations = kIterations;
     solver.num_threads = 1;
     solver.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
@@ -103,7 +104,7 @@ class Linearised {
   }
 
   void addOdometry(std::size_t j) {
-    const Increment increment = incrementTo(segment_, j, options_);
+    const Increment increment = method_.increment(segment_, j);
     add<OdometryResidual, 6, 6, 6, 1>(
         {LinearPose(segment_.nodes[j - 1].T_world_cam), LinearPose(segment_.nodes[j].T_world_cam),
          Eigen::Quaterniond(increment.T_i_j.linear()), increment.T_i_j.translation(),
@@ -171,6 +172,7 @@ class Linearised {
   }
 
   const Segment& segment_;
+  const GeoreferenceMethod& method_;
   const GeoreferenceOptions& options_;
   std::vector<std::array<double, 6>> blocks_;
   double log_scale_ = 0;
@@ -180,32 +182,18 @@ class Linearised {
 
 }  // namespace
 
-Increment incrementTo(const Segment& segment, std::size_t j, const GeoreferenceOptions& options) {
-  const Node &a = segment.nodes[j - 1], &b = segment.nodes[j];
-  Increment out;
-  out.T_i_j = a.keyframe->T_local_cam.inverse() * b.keyframe->T_local_cam;
-  out.rotation_sigma_rad = options.vo_rotation_sigma_deg * kRadPerDeg;
-  const double depth = std::max(a.median_depth, b.median_depth);
-  out.translation_sigma =
-      options.vo_step_sigma * out.T_i_j.translation().norm() + options.vo_depth_sigma * depth;
-  // Photos of one place: not more certain than a thousandth of the segment's longest step.
-  const double floor = segment.longest_step > 0 ? 1e-3 * segment.longest_step : 1e-3;
-  out.translation_sigma = std::max(out.translation_sigma, floor);
-  return out;
-}
-
-void solve(Segment& segment, const Noise& noise, const GeoreferenceOptions& options,
-           std::size_t first_free, int max_iterations) {
+void solve(Segment& segment, const Noise& weights, const GeoreferenceMethod& method,
+           std::size_t first_free) {
   {
-    Linearised problem(segment, noise, options);
-    problem.minimise(first_free, max_iterations);
+    Linearised problem(segment, weights, method);
+    problem.minimise(first_free);
     problem.apply(segment);
   }
-  const ChainCovariance covariance = marginals(Linearised(segment, noise, options).information());
+  const ChainCovariance covariance = marginals(Linearised(segment, weights, method).information());
   segment.log_scale_sigma = std::sqrt(covariance.corner);
   for (std::size_t i = 0; i < segment.nodes.size(); ++i)
     segment.nodes[i].covariance = covariance.diagonal[i];
-  measureNoise(segment, noise);
+  measureNoise(segment, weights);
   segment.solved = std::isfinite(segment.log_scale_sigma) && std::isfinite(segment.scale);
 }
 

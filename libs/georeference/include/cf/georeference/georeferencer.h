@@ -16,6 +16,7 @@ namespace cf {
 /// Options of the georeference stage. Standard deviations that describe an error common to a whole
 /// segment (attitude tags, nadir, ground) count once per segment, however many photos it has.
 struct GeoreferenceOptions {
+  std::string method = "two_stage";      ///< or "global_fusion", the baseline
   double vo_rotation_sigma_deg = 0.1;    ///< of one odometry increment
   double vo_step_sigma = 0.01;           ///< of its translation, as a fraction of its length
   double vo_depth_sigma = 0.001;         ///< plus this fraction of the median depth
@@ -35,6 +36,9 @@ struct GeoreferenceOptions {
   double max_yaw_sigma_deg = 30;  ///< the same for its heading
   int full_solve_keyframes = 60;  ///< up to here every photo re-solves its whole segment
   int window_keyframes = 30;      ///< beyond: this many last ones, until grown by a tenth
+  double fusion_rotation_sigma_deg = 0.57;  ///< global_fusion: of any increment
+  double fusion_step_sigma_m = 0.1;         ///< global_fusion: of any increment
+  int fusion_start_fixes = 10;  ///< global_fusion: with so many the scale is set for good
 
   void visit(OptionVisitor& v);
 };
@@ -52,14 +56,19 @@ struct ScaleSample {
 };
 
 /// Stage 1 of the GNSS optimisation for one UAV: scale and world poses of every segment from
-/// odometry increments and fixes (Eq. (4)-(6) of arXiv 2304.04943, corrected as in
-/// docs/method.md).
+/// odometry increments and fixes, by one of two methods:
+/// - two_stage: Eq. (4)-(6) of arXiv 2304.04943, corrected as in docs/method.md; the scale is a
+///   state.
+/// - global_fusion: the baseline, the global fusion of VINS-Fusion (Qin et al., arXiv 1901.03642),
+///   made for metric odometry: here the first fixes bring it to metres once. Its scale is read off
+///   the optimised path: its length over the odometry's.
 ///
 /// A keyframe leaves as a GeoKeyframe, in order, as soon as its fix can be interpolated, or after
 /// max_wait_keyframes later ones, or at flush(). The noise of the receiver is estimated per axis
 /// from the residuals. Deterministic; no threads.
 class Georeferencer {
  public:
+  /// Throws UsageError on an unknown method.
   Georeferencer(std::uint16_t uav, const GeoreferenceOptions& options, FixToWorld fix_to_world);
   ~Georeferencer();
   Georeferencer(Georeferencer&&) noexcept;
