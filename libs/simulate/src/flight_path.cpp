@@ -29,8 +29,9 @@ FlightPath::FlightPath(const FlightOptions& o, const Footprint& footprint) {
   const double spacing = (1 - o.side_overlap) * footprint.across_m;
   const double angle = (90 - o.heading_deg) * M_PI / 180;
   const Eigen::Vector2d center(o.center_e_m, o.center_n_m);
-  // A wing needs some way to roll out of its turns before the photos begin.
-  const double lead = o.mount == "fixed" ? o.turn_radius_m : 0;
+  // Turns end a little before the photos begin; a wing needs some way to roll out of them.
+  constexpr double kLead_s = 0.5;
+  const double lead = o.mount == "fixed" ? o.turn_radius_m : kLead_s * o.speed_mps;
   for (const Course& begin : stripsOver(center, o.length_m, o.width_m, angle, spacing))
     addStrip(begin, o.length_m, lead, o.turn_radius_m);
   if (o.pattern != "double") return;
