@@ -11,6 +11,7 @@
 
 #include "cf/base/error.h"
 #include "cf/evaluate/cloud.h"
+#include "cf/evaluate/run.h"
 #include "cf/evaluate/trajectory.h"
 
 namespace cf {
@@ -22,6 +23,7 @@ struct Arguments {
   std::string estimate, reference;
   std::string align;
   std::optional<double> gsd_m;
+  bool table = false;
 };
 
 void requireExisting(const Arguments& arguments) {
@@ -50,6 +52,12 @@ std::string evaluateClouds(const Arguments& arguments) {
   return toJson(evaluateCloud(std::move(clouds), arguments.align == "icp"), arguments.gsd_m);
 }
 
+std::string evaluateWholeRun(const Arguments& arguments) {
+  requireExisting(arguments);
+  const std::string json = evaluateRun(arguments.estimate, arguments.reference);
+  return arguments.table ? runTable(json) : json;
+}
+
 }  // namespace
 
 int runEval(int argc, char** argv) {
@@ -57,7 +65,7 @@ int runEval(int argc, char** argv) {
   app.set_version_flag("--version", CF_VERSION);
   app.require_subcommand(1);
 
-  Arguments trajectory{{}, {}, "se3", {}};
+  Arguments trajectory{{}, {}, "se3", {}, false};
   auto* trajectory_app = app.add_subcommand(
       "trajectory", "Compare camera poses, joined by photo name (folders) or time (files)");
   trajectory_app->add_option("EST", trajectory.estimate, "output folder of a run, or a TUM file")
@@ -69,7 +77,7 @@ int runEval(int argc, char** argv) {
   trajectory_app->add_option("--align", trajectory.align, "se3 by default")
       ->check(CLI::IsMember({"none", "se3", "sim3", "yaw4"}));
 
-  Arguments cloud{{}, {}, "none", {}};
+  Arguments cloud{{}, {}, "none", {}, false};
   auto* cloud_app = app.add_subcommand(
       "cloud", "Compare point clouds where the reference has a point within 0.5 m horizontally");
   cloud_app->add_option("EST", cloud.estimate, "output folder of a run, or a PLY file")->required();
@@ -81,15 +89,22 @@ int runEval(int argc, char** argv) {
       ->add_option("--gsd", cloud.gsd_m, "ground size of a pixel [m]: also report in units of it")
       ->check(CLI::PositiveNumber);
 
+  Arguments run;
+  auto* run_app = app.add_subcommand("run", "All figures of a run on a simulated flight");
+  run_app->add_option("OUTDIR", run.estimate, "output folder of the run")->required();
+  run_app->add_option("TRUTHDIR", run.reference, "folder truth of cf-simulate")->required();
+  run_app->add_flag("--table", run.table, "print a table for people instead of JSON");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
     throw UsageError(std::string(e.what()) + " (see cf-eval --help)");
   }
-  const std::string json =
-      trajectory_app->parsed() ? evaluateTrajectories(trajectory) : evaluateClouds(cloud);
-  std::printf("%s\n", json.c_str());
+  const std::string figures = trajectory_app->parsed() ? evaluateTrajectories(trajectory)
+                              : cloud_app->parsed()    ? evaluateClouds(cloud)
+                                                       : evaluateWholeRun(run);
+  std::printf("%s\n", figures.c_str());
   return 0;
 }
 

@@ -5,9 +5,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "cf/base/error.h"
+#include "pose_errors.h"
 #include "statistics.h"
 
 namespace cf {
@@ -15,7 +15,9 @@ namespace {
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
-PoseErrors errorsOf(const std::vector<PosePair>& pairs, const Sim3& S_ref_est) {
+}  // namespace
+
+PoseErrors poseErrors(const std::vector<PosePair>& pairs, const Sim3& S_ref_est) {
   PoseErrors errors;
   std::vector<double> distance, angle;
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
@@ -37,7 +39,7 @@ PoseErrors errorsOf(const std::vector<PosePair>& pairs, const Sim3& S_ref_est) {
   return errors;
 }
 
-nlohmann::ordered_json jsonOf(const PoseErrors& e) {
+Json jsonOf(const PoseErrors& e) {
   return {{"matched", e.matched},
           {"rmse_m", e.rmse_m},
           {"median_m", e.median_m},
@@ -46,8 +48,6 @@ nlohmann::ordered_json jsonOf(const PoseErrors& e) {
           {"rotation_rmse_deg", e.rotation_rmse_deg},
           {"rotation_median_deg", e.rotation_median_deg}};
 }
-
-}  // namespace
 
 TrajectoryEvaluation evaluateTrajectory(const PosePairs& joined,
                                         std::optional<AlignmentModel> align) {
@@ -73,15 +73,15 @@ TrajectoryEvaluation evaluateTrajectory(const PosePairs& joined,
     if (!S) throw RunError("the trajectories cannot be aligned: " + S.failure().detail);
     evaluation.S_ref_est = *S;
   }
-  evaluation.all = errorsOf(joined.pairs, evaluation.S_ref_est);
+  evaluation.all = poseErrors(joined.pairs, evaluation.S_ref_est);
   for (const auto& [uav, pairs] : by_uav)
-    evaluation.per_uav[uav] = errorsOf(pairs, evaluation.S_ref_est);
+    evaluation.per_uav[uav] = poseErrors(pairs, evaluation.S_ref_est);
   return evaluation;
 }
 
 std::string toJson(const TrajectoryEvaluation& evaluation, const std::string& align) {
   const Sim3& S = evaluation.S_ref_est;
-  nlohmann::ordered_json json = {
+  Json json = {
       {"align", align}, {"missing", evaluation.missing}, {"unreferenced", evaluation.unreferenced}};
   json.update(jsonOf(evaluation.all));
   json["scale"] = S.scale;
@@ -90,9 +90,8 @@ std::string toJson(const TrajectoryEvaluation& evaluation, const std::string& al
       {"translation_m", {S.translation.x(), S.translation.y(), S.translation.z()}}};
   json["extent_m"] = evaluation.extent_m;
   json["rmse_over_extent"] =
-      evaluation.extent_m > 0 ? nlohmann::ordered_json(evaluation.all.rmse_m / evaluation.extent_m)
-                              : nlohmann::ordered_json(nullptr);
-  json["per_uav"] = nlohmann::ordered_json::object();
+      evaluation.extent_m > 0 ? Json(evaluation.all.rmse_m / evaluation.extent_m) : Json(nullptr);
+  json["per_uav"] = Json::object();
   for (const auto& [uav, errors] : evaluation.per_uav) json["per_uav"][uav] = jsonOf(errors);
   return json.dump(2);
 }
