@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_impl.h"
 
+#include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "cf/base/error.h"
 #include "texture_noise.h"
@@ -11,8 +12,8 @@
 namespace cf {
 namespace {
 
-constexpr int kPacket = 16;
-constexpr float kShadowOffset_m = 2e-3F;
+constexpr double kMargin_m =
+    40;  ///< built and planted beyond the area: seen and shading from aside
 
 Eigen::Vector3f sunDirection(const SceneOptions& options) {
   const double azimuth = options.sun_azimuth_deg * M_PI / 180;
@@ -22,27 +23,16 @@ Eigen::Vector3f sunDirection(const SceneOptions& options) {
       .cast<float>();
 }
 
-/// What the terrain must cover beyond the area, so that no oblique ray looks over its edge.
 Eigen::Vector2d halfExtent(const Eigen::AlignedBox2d& area) {
-  return area.sizes() / 2 + Eigen::Vector2d::Constant(40);
+  if (area.isEmpty()) throw UsageError("the scene's area is empty");
+  return area.sizes() / 2 + Eigen::Vector2d::Constant(kMargin_m);
 }
 
-RTCGeometry newMesh(RTCDevice device, const std::vector<Eigen::Vector3f>& vertices,
-                    const std::vector<std::uint32_t>& corners) {
-  RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(
-      mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices.size()));
-  for (const auto& p : vertices) {
-    *v++ = p.x();
-    *v++ = p.y();
-    *v++ = p.z();
-  }
-  auto* c = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              3 * sizeof(std::uint32_t), corners.size() / 3));
-  std::copy(corners.begin(), corners.end(), c);
-  rtcCommitGeometry(mesh);
-  return mesh;
+TownPlan planAndPlant(const SceneOptions& options, const Eigen::AlignedBox2d& area,
+                      std::uint64_t seed) {
+  TownPlan plan = planTown(options, halfExtent(area), seed);
+  plantTown(options, seed, plan);
+  return plan;
 }
 
 }  // namespace
@@ -50,165 +40,112 @@ RTCGeometry newMesh(RTCDevice device, const std::vector<Eigen::Vector3f>& vertic
 Scene::Impl::Impl(const SceneOptions& options, const Eigen::AlignedBox2d& area, std::uint64_t seed)
     : area_(area),
       offset_(area.center().x(), area.center().y(), 0),
-      seed_(seed),
-      terrain_(options.terrain == "hills", options.relief_m, halfExtent(area), seed),
-      to_sun_(sunDirection(options)) {
-  if (area.isEmpty()) throw UsageError("the scene's area is empty");
-  // One thread: the tree, and so which of two triangles a ray through their common edge hits, does
-  // not depend on the number of cores.
-  device_ = rtcNewDevice("threads=1");
-  if (device_ == nullptr) throw RunError("Embree does not start on this machine");
-  scene_ = rtcNewScene(device_);
-  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-  addGround();
-  rtcCommitScene(scene_);
+      texture_seed_(
+          hash2(static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32))),
+      // Beyond the margin there is bare ground only, so that no oblique ray looks over its edge.
+      terrain_(options.terrain == "hills", options.relief_m,
+               halfExtent(area) + Eigen::Vector2d::Constant(200), seed),
+      to_sun_(sunDirection(options)),
+      plan_(planAndPlant(options, area, seed)),
+      ground_paint_(plan_),
+      // One thread builds: the tree, and so which of two triangles a ray through their common edge
+      // hits, does not depend on the number of cores.
+      device_(rtcNewDevice("threads=1")) {
+  if (!device_) throw RunError("Embree does not start on this machine");
+  scene_.reset(rtcNewScene(device_.get()));
+  rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
+  buildMeshes();
+  buildPlants(seed);
+  rtcCommitScene(scene_.get());
 }
 
-Scene::Impl::~Impl() {
-  if (scene_ != nullptr) rtcReleaseScene(scene_);
-  if (device_ != nullptr) rtcReleaseDevice(device_);
+bool Scene::Impl::isNear(const Eigen::Vector2d& place) const {
+  return (place.cwiseAbs() - halfExtent(area_)).maxCoeff() < 0;
 }
 
-void Scene::Impl::addGround() {
-  std::vector<Eigen::Vector3f> vertices;
+void Scene::Impl::buildMeshes() {
   for (int r = 0; r < terrain_.rows(); ++r) {
-    for (int c = 0; c < terrain_.columns(); ++c) vertices.push_back(terrain_.vertex(c, r));
+    for (int c = 0; c < terrain_.columns(); ++c) ground_.vertices.push_back(terrain_.vertex(c, r));
   }
-  RTCGeometry mesh = newMesh(device_, vertices, terrain_.triangles());
-  rtcAttachGeometry(scene_, mesh);
-  rtcReleaseGeometry(mesh);
-}
+  ground_.corners = terrain_.triangles();
+  attach(scene_.get(), ground_, 0);
 
-void Scene::Impl::trace(Samples& s) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  for (int first = 0; first < s.n; first += kPacket) {
-    const int count = std::min(kPacket, s.n - first);
-    alignas(64) int valid[kPacket];
-    RTCRayHit16 packet;
-    for (int k = 0; k < kPacket; ++k) {
-      valid[k] = k < count ? -1 : 0;
-      const auto i = static_cast<std::size_t>(first + std::min(k, count - 1));
-      packet.ray.org_x[k] = s.ox[i], packet.ray.org_y[k] = s.oy[i], packet.ray.org_z[k] = s.oz[i];
-      packet.ray.dir_x[k] = s.dx[i], packet.ray.dir_y[k] = s.dy[i], packet.ray.dir_z[k] = s.dz[i];
-      packet.ray.tnear[k] = 0;
-      packet.ray.tfar[k] = std::numeric_limits<float>::infinity();
-      packet.ray.time[k] = 0;
-      packet.ray.mask[k] = ~0U;
-      packet.ray.flags[k] = 0;
-      packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-      packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-    }
-    rtcIntersect16(valid, scene_, &context, &packet);
-    for (int k = 0; k < count; ++k) {
-      const auto i = static_cast<std::size_t>(first + k);
-      s.t[i] = -1;
-      if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
-      const float t = packet.ray.tfar[k];
-      s.t[i] = t;
-      s.x[i] = s.ox[i] + t * s.dx[i];
-      s.y[i] = s.oy[i] + t * s.dy[i];
-      s.z[i] = s.oz[i] + t * s.dz[i];
-      Eigen::Vector3f normal(packet.hit.Ng_x[k], packet.hit.Ng_y[k], packet.hit.Ng_z[k]);
-      normal.normalize();
-      if (normal.dot(Eigen::Vector3f(s.dx[i], s.dy[i], s.dz[i])) > 0) normal = -normal;
-      s.nx[i] = normal.x(), s.ny[i] = normal.y(), s.nz[i] = normal.z();
-      s.object[i] = 0;
+  Solids solids;
+  for (const auto& building : plan_.buildings) {
+    if (isNear(plan_.turn * building.box.center())) {
+      addBuilding(building, plan_.turn, terrain_, solids);
     }
   }
+  for (const auto& car : plan_.cars) {
+    if (isNear(plan_.turn * car.place)) addCar(car, plan_.turn, terrain_, solids);
+  }
+  built_ = {std::move(solids.vertices), std::move(solids.corners)};
+  parts_ = std::move(solids.parts);
+  part_of_ = std::move(solids.part_of);
+  if (!parts_.empty()) attach(scene_.get(), built_, 1);
 }
 
-void Scene::Impl::castShadows(Samples& s) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  int next = 0;
-  while (next < s.n) {
-    alignas(64) int valid[kPacket] = {};
-    int sample[kPacket];
-    RTCRay16 packet;
-    int count = 0;
-    for (; next < s.n && count < kPacket; ++next) {
-      const auto i = static_cast<std::size_t>(next);
-      if (s.t[i] < 0 || s.sun[i] <= 0) continue;
-      packet.org_x[count] = s.x[i] + kShadowOffset_m * s.nx[i];
-      packet.org_y[count] = s.y[i] + kShadowOffset_m * s.ny[i];
-      packet.org_z[count] = s.z[i] + kShadowOffset_m * s.nz[i];
-      packet.dir_x[count] = to_sun_.x();
-      packet.dir_y[count] = to_sun_.y();
-      packet.dir_z[count] = to_sun_.z();
-      packet.tnear[count] = 0;
-      packet.tfar[count] = std::numeric_limits<float>::infinity();
-      packet.time[count] = 0;
-      packet.mask[count] = ~0U;
-      packet.flags[count] = 0;
-      valid[count] = -1;
-      sample[count++] = next;
-    }
-    rtcOccluded16(valid, scene_, &context, &packet);
-    for (int k = 0; k < count; ++k) {
-      if (packet.tfar[k] < 0) s.sun[static_cast<std::size_t>(sample[k])] = 0;
-    }
+void Scene::Impl::buildPlants(std::uint64_t seed) {
+  constexpr int kBroadleaves = 7, kConifers = 2, kHedges = 2;
+  const int first[] = {0, kBroadleaves, kBroadleaves + kConifers,
+                       kBroadleaves + kConifers + kHedges};
+  for (int k = 0; k < first[3]; ++k) {
+    const int kind = k < first[1] ? 0 : (k < first[2] ? 1 : 2);
+    CrownMesh crown = makeCrown(static_cast<Greenery>(kind), seed * 64 + static_cast<unsigned>(k));
+    crowns_.push_back({std::move(crown.vertices), std::move(crown.corners)});
+    crown_scenes_.emplace_back(rtcNewScene(device_.get()));
+    rtcSetSceneFlags(crown_scenes_.back().get(), RTC_SCENE_FLAG_ROBUST);
+    attach(crown_scenes_.back().get(), crowns_.back(), 0);
+    rtcCommitScene(crown_scenes_.back().get());
+  }
+  for (const auto& planned : plan_.plants) {
+    const Eigen::Vector2d place = plan_.turn * planned.place;
+    if (!isNear(place)) continue;
+    Dice dice(planned.seed);
+    const int kind = static_cast<int>(planned.kind);
+    Plant plant;
+    plant.crown = first[kind] + dice.below(first[kind + 1] - first[kind]);
+    plant.centre = Eigen::Vector3d(place.x(), place.y(),
+                                   terrain_.height(place.x(), place.y()) + planned.foot_m +
+                                       0.95 * planned.size_m.z())
+                       .cast<float>();
+    const double turn = plan_.angle + planned.turn;
+    plant.shape =
+        (Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * Eigen::Scaling(planned.size_m))
+            .matrix()
+            .cast<float>();
+    plant.inverse_shape = plant.shape.inverse();
+    const Tint dark = {.03F, .085F, .045F}, light = {.045F, .15F, .105F};
+    const Tint conifer = {.035F, .07F, .04F};
+    plant.tint =
+        mix(planned.kind == Greenery::kConifer ? conifer : dark, light,
+            static_cast<float>(dice.uniform(0, planned.kind == Greenery::kConifer ? 0.3 : 1)));
+    RTCGeometry instance = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance,
+                                 crown_scenes_[static_cast<std::size_t>(plant.crown)].get());
+    Eigen::Matrix<float, 3, 4> transform;
+    transform << plant.shape, plant.centre;
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform.data());
+    rtcCommitGeometry(instance);
+    rtcAttachGeometryByID(scene_.get(), instance, static_cast<unsigned>(2 + plants_.size()));
+    rtcReleaseGeometry(instance);
+    plants_.push_back(plant);
   }
 }
 
-void Scene::Impl::shade(Samples& s) const {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(s.n); ++i) {
-    s.sun[i] = 0;
-    if (s.t[i] < 0) continue;
-    Eigen::Vector3f normal(s.nx[i], s.ny[i], s.nz[i]);
-    if (s.object[i] == 0) normal = terrain_.normal(s.x[i], s.y[i]);
-    s.sun[i] = std::max(0.0F, normal.dot(to_sun_));
-  }
-  castShadows(s);
-  std::vector<float> value(static_cast<std::size_t>(s.n), 0.0F);
-  Spectrum spectrum;
-  spectrum.fill(0.16F);
-  addNoise(s.n, s.x.data(), s.y.data(), s.footprint.data(), spectrum,
-           static_cast<std::uint32_t>(seed_), value.data());
-  for (std::size_t i = 0; i < static_cast<std::size_t>(s.n); ++i) {
-    const float light = 1.25F * s.sun[i] + 0.28F;
-    const float shade = light * std::max(0.1F, 1 + value[i]);
-    s.blue[i] = 0.05F * shade, s.green[i] = 0.11F * shade, s.red[i] = 0.09F * shade;
-    if (s.t[i] < 0) s.blue[i] = 0.8F, s.green[i] = 0.7F, s.red[i] = 0.6F;
-  }
-}
-
-std::optional<SurfaceHit> Scene::Impl::hit(const Eigen::Vector3d& origin,
-                                           const Eigen::Vector3d& direction) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRayHit ray = {};
-  ray.ray.org_x = static_cast<float>(origin.x());
-  ray.ray.org_y = static_cast<float>(origin.y());
-  ray.ray.org_z = static_cast<float>(origin.z());
-  ray.ray.dir_x = static_cast<float>(direction.x());
-  ray.ray.dir_y = static_cast<float>(direction.y());
-  ray.ray.dir_z = static_cast<float>(direction.z());
-  ray.ray.tfar = std::numeric_limits<float>::infinity();
-  ray.ray.mask = ~0U;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene_, &context, &ray);
-  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-
-  // Again with the plane of the triangle, in double.
-  RTCGeometry mesh = rtcGetGeometry(scene_, ray.hit.geomID);
-  const auto* vertices =
-      static_cast<const float*>(rtcGetGeometryBufferData(mesh, RTC_BUFFER_TYPE_VERTEX, 0));
-  const auto* corners =
-      static_cast<const std::uint32_t*>(rtcGetGeometryBufferData(mesh, RTC_BUFFER_TYPE_INDEX, 0)) +
-      std::size_t{3} * ray.hit.primID;
-  auto vertex = [&](int k) -> Eigen::Vector3d {
-    return Eigen::Map<const Eigen::Vector3f>(vertices + std::size_t{3} * corners[k]).cast<double>();
-  };
-  SurfaceHit found;
-  found.normal = (vertex(1) - vertex(0)).cross(vertex(2) - vertex(0)).normalized();
-  if (found.normal.dot(direction) > 0) found.normal = -found.normal;
-  found.distance = found.normal.dot(vertex(0) - origin) / found.normal.dot(direction);
-  found.position_m = origin + found.distance * direction;
-  return found;
+void Scene::Impl::attach(RTCScene scene, const Mesh& mesh, unsigned id) {
+  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                        RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                                        mesh.vertices.size()));
+  for (const auto& p : mesh.vertices) v = std::copy(p.data(), p.data() + 3, v);
+  auto* c = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(std::uint32_t), mesh.corners.size() / 3));
+  std::copy(mesh.corners.begin(), mesh.corners.end(), c);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene, geometry, id);
+  rtcReleaseGeometry(geometry);
 }
 
 }  // namespace cf

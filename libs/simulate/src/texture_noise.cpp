@@ -9,9 +9,9 @@ namespace {
 
 /// One octave. (c, s) turns the lattice, so that octaves do not share its directions.
 CF_SIMULATE_CLONES void addOctave(int n, const float* x, const float* y, const float* footprint,
-                                  float wave, float amplitude, float c, float s, std::uint32_t seed,
-                                  float* sum) {
-  const float per_metre = 1 / wave;
+                                  float spacing, float amplitude, float c, float s,
+                                  std::uint32_t seed, float* sum) {
+  const float per_metre = 1 / spacing;
   for (int i = 0; i < n; ++i) {
     const float u = (c * x[i] - s * y[i]) * per_metre, v = (s * x[i] + c * y[i]) * per_metre;
     const int iu = floorInt(u), iv = floorInt(v);
@@ -33,7 +33,7 @@ CF_SIMULATE_CLONES void addOctave(int n, const float* x, const float* y, const f
     const float g11 = static_cast<float>(static_cast<std::int32_t>(h11 ^ (h11 << 13)));
     const float top = g00 + wu * (g10 - g00), bottom = g01 + wu * (g11 - g01);
     const float value = (top + wv * (bottom - top)) * 0x1p-31F;
-    float t = wave / (2 * footprint[i]) - 1;
+    float t = spacing / footprint[i] - 1;
     t = t < 0 ? 0 : t;
     t = t > 1 ? 1 : t;
     sum[i] += amplitude * (t * t * (3 - 2 * t)) * value;
@@ -46,10 +46,10 @@ void addNoise(int n, const float* x_m, const float* y_m, const float* footprint_
               const Spectrum& amplitude, std::uint32_t seed, float* sum) {
   if (n == 0) return;
   const float finest = *std::min_element(footprint_m, footprint_m + n);
-  float wave = kLongestWave_m, c = 1, s = 0;
-  for (int k = 0; k < kOctaves && wave > 2 * finest; ++k, wave /= 2) {
+  float spacing = kWidestSpacing_m, c = 1, s = 0;
+  for (int k = 0; k < kOctaves && spacing > finest; ++k, spacing /= 2) {
     if (amplitude[static_cast<std::size_t>(k)] != 0) {
-      addOctave(n, x_m, y_m, footprint_m, wave, amplitude[static_cast<std::size_t>(k)], c, s,
+      addOctave(n, x_m, y_m, footprint_m, spacing, amplitude[static_cast<std::size_t>(k)], c, s,
                 hash2(seed, static_cast<std::uint32_t>(k)), sum);
     }
     const float c1 = 0.8F * c - 0.6F * s;

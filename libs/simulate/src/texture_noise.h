@@ -13,9 +13,10 @@
 
 namespace cf {
 
-/// Wavelengths of the noise octaves: 20.48 m / 2^k, the last one 1 cm.
+/// Lattice spacings of the noise octaves: 20.48 m / 2^k, the last one 1 cm. Most of an octave's
+/// energy is at wavelengths from twice its spacing up.
 constexpr int kOctaves = 12;
-constexpr float kLongestWave_m = 20.48F;
+constexpr float kWidestSpacing_m = 20.48F;
 /// Amplitude of each octave.
 using Spectrum = std::array<float, kOctaves>;
 
@@ -36,16 +37,16 @@ inline int floorInt(float v) {
   return i - (v < static_cast<float>(i) ? 1 : 0);
 }
 
-/// How much of a detail of the given size survives averaging over a footprint: 1 where it is over
-/// four footprints, 0 under two.
+/// How much of a detail of the given size survives averaging over a footprint: nothing of one as
+/// large as the footprint, all of one twice as large.
 inline float visible(float size_m, float footprint_m) {
-  const float v = size_m / (2 * footprint_m) - 1;
+  const float v = size_m / footprint_m - 1;
   const float t = v < 0 ? 0 : (v > 1 ? 1 : v);
   return t * t * (3 - 2 * t);
 }
 
-/// Adds band-limited value noise (mean 0) at n places: octaves finer than twice the footprint are
-/// left out, so that one sample a pixel does not alias.
+/// Adds band-limited value noise (mean 0) at n places: octaves with waves shorter than two
+/// footprints are left out, so that one sample a pixel does not alias.
 void addNoise(int n, const float* x_m, const float* y_m, const float* footprint_m,
               const Spectrum& amplitude, std::uint32_t seed, float* sum);
 
