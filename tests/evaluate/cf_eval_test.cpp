@@ -67,6 +67,8 @@ TEST(CfEval, ErrorsAreOneLineWithTheRightStatus) {
                 "sim4");
   expectOneLine(run("trajectory " + bad.string() + " " + bad.string()), 1, "cf_eval_bad.tum");
   expectOneLine(run("cloud " + bad.string() + " " + bad.string()), 1, "cf_eval_bad.tum");
+  expectOneLine(run("run /nonexistent /nonexistent --table"), 2, "/nonexistent");
+  expectOneLine(run("run / /"), 1, "images.tsv");
   EXPECT_EQ(run("--help").status, 0);
   EXPECT_EQ(run("--version").status, 0);
 }

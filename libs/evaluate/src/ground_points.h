@@ -32,16 +32,6 @@ RunSection seamFigures(const RunInputs& run, const std::vector<GroundPoint>& poi
 /// Of the mapped places against the truth.
 RunSection groundFigures(const RunInputs& run, const std::vector<GroundPoint>& points);
 
-/// The bend of a map: of the least-squares fit 1, x, y, x^2, xy, y^2 of the vertical error, the
-/// last three terms about the middle of the map.
-struct Doming {
-  double span_m = 0;  ///< largest minus smallest over the places
-  double rms_m = 0;   ///< about their mean
-};
-/// Fails on fewer than 6 places, or such as do not determine the fit.
-Result<Doming> domingOf(const std::vector<Eigen::Vector2d>& places_m,
-                        const std::vector<double>& errors_m);
-
 RunSection domingFigures(const std::vector<GroundPoint>& points);
 
 }  // namespace cf

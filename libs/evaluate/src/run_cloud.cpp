@@ -81,13 +81,19 @@ Json flyingFigures(const Points& samples, const HeightGrid& grid, const KdTree<3
           {"outside_share", count(Fate::kOutside) / static_cast<double>(samples.size())}};
 }
 
-double completenessOf(const Points& reference, const Points& estimate, double reach_m) {
-  const KdTree<3> tree(estimate);
+/// Share of the reference points with an estimated point nearer than `reach_m`, in 3 dimensions or
+/// (Dim = 2) seen from above.
+template <int Dim>
+double shareReached(const Points& reference, const Points& estimate, double reach_m) {
+  std::vector<typename KdTree<Dim>::Point> points;
+  points.reserve(estimate.size());
+  for (const Eigen::Vector3f& p : estimate) points.push_back(p.head<Dim>());
+  const KdTree<Dim> tree(std::move(points));
   const Points samples = everyNth(reference, kMaxSamples);
   const auto reach2 = static_cast<float>(reach_m * reach_m);
   std::vector<char> near(samples.size());
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-    near[i] = tree.nearestDistance2(samples[i], reach2) < reach2 ? 1 : 0;
+    near[i] = tree.nearestDistance2(samples[i].head<Dim>(), reach2) < reach2 ? 1 : 0;
   });
   return static_cast<double>(std::count(near.begin(), near.end(), 1)) /
          static_cast<double>(samples.size());
@@ -132,7 +138,8 @@ RunSection cloudFigures(const RunInputs& run, const Sim3& S_ref_est,
   const double reach_m = std::max(kLeastReach_m, 2 * matched_size_m.value_or(0));
   Json out = {{"points", clouds.estimate.size()},
               {"matched_pixel_m", matched_size_m ? Json(*matched_size_m) : Json(nullptr)},
-              {"completeness", completenessOf(clouds.reference, clouds.estimate, reach_m)},
+              {"completeness", shareReached<3>(clouds.reference, clouds.estimate, reach_m)},
+              {"coverage", shareReached<2>(clouds.reference, clouds.estimate, reach_m)},
               {"completeness_reach_m", reach_m},
               {"height", nullptr},
               {"flying", nullptr}};

@@ -49,6 +49,7 @@ constexpr Line kCluster[] = {
     {"cloud, height, 95 %", "/cloud/height/matched_pixels/p95", "matched pixels"},
     {"cloud, within 1 matched pixel", "/cloud/height/within_1_matched_pixel", "%", 100},
     {"cloud, completeness", "/cloud/completeness", "%", 100},
+    {"cloud, coverage seen from above", "/cloud/coverage", "%", 100},
     {"cloud, flying points", "/cloud/flying/share", "%", 100},
     {"focal length, RMS error", "/camera/focal_rms_pct", "%"},
     {"relative GNSS bias, horizontal, RMS error", "/gnss/relative_bias_rms_m/horizontal", "m"},
