@@ -175,12 +175,14 @@ TEST_F(BadInput, AnEarlierResultStaysUnlessAskedFor) {
   support::writeSyntheticFlight(folder_ / "in");
   support::writeText(folder_ / "out/report.json", "earlier");
   support::writeText(folder_ / "out/images/earlier.csv", "earlier");
+  support::writeText(folder_ / "out/depth/northA/earlier.tif", "earlier");
   support::writeText(folder_ / "out/images/DJI_0001.JPG", "somebody's photo");
   expectOneLine(run("in/config.ini -o out"), 2, {"earlier result", "-w"});
   EXPECT_EQ(support::fileText(folder_ / "out/report.json"), "earlier");
   EXPECT_EQ(run("in/config.ini -o out -w -s densify.megapixels=0.05").status, 0);
   EXPECT_EQ(report()["photos"]["total"], 15);
   EXPECT_FALSE(fs::exists(folder_ / "out/images/earlier.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/depth/northA/earlier.tif"));
   EXPECT_EQ(support::fileText(folder_ / "out/images/DJI_0001.JPG"), "somebody's photo");
 }
 

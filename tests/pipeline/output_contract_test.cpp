@@ -68,7 +68,8 @@ TEST_F(OutputContract, EveryFileIsThere) {
     for (const std::string& file :
          {"images/" + name + ".csv", "trajectories/" + name + ".tum",
           "trajectories/" + name + ".online.tum", "trajectories/" + name + ".ecef.csv",
-          "cameras/" + name + ".ini", "scale/" + name + ".csv", "graphs/" + name + ".graph"})
+          "cameras/" + name + ".ini", "scale/" + name + ".csv", "graphs/" + name + ".graph",
+          "odometry/" + name + ".tum"})
       files.push_back(file);
   for (const std::string& file : files) {
     ASSERT_TRUE(fs::exists(out(file))) << file;

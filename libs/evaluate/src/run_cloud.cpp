@@ -9,6 +9,7 @@
 
 #include "cf/base/error.h"
 #include "cf/evaluate/cloud.h"
+#include "cf/evaluate/doming.h"
 #include "cf/formats/ply.h"
 #include "height_grid.h"
 #include "kd_tree.h"
@@ -38,14 +39,22 @@ Points readPoints(const std::filesystem::path& file, const Move& move) {
 Json heightFigures(const Points& samples, const HeightGrid& grid,
                    std::optional<double> matched_size_m) {
   std::vector<double> errors;
+  std::vector<Eigen::Vector2d> places;
   for (const Eigen::Vector3f& p : samples)
-    if (const auto z = grid.smoothHeight(p.head<2>().cast<double>()))
+    if (const auto z = grid.smoothHeight(p.head<2>().cast<double>())) {
+      places.emplace_back(p.head<2>().cast<double>());
       errors.push_back(static_cast<double>(p.z()) - *z);
+    }
   if (errors.empty()) return nullptr;
-  Json out = {{"m", spreadOf(errors)}};
+  const auto flat = withoutBend(places, errors);
+  Json out = {{"m", spreadOf(errors)}, {"without_bend_m", flat ? spreadOf(*flat) : Json(nullptr)}};
   if (!matched_size_m) return out;
-  std::vector<double> sizes;
-  for (const double e : errors) sizes.push_back(e / *matched_size_m);
+  const auto inSizes = [&](std::vector<double> values) {
+    for (double& v : values) v /= *matched_size_m;
+    return values;
+  };
+  const std::vector<double> sizes = inSizes(errors);
+  out["without_bend_matched_pixels"] = flat ? spreadOf(inSizes(*flat)) : Json(nullptr);
   const auto within = [&](double limit) {
     return static_cast<double>(std::count_if(sizes.begin(), sizes.end(),
                                              [&](double e) { return std::abs(e) <= limit; })) /

@@ -46,6 +46,8 @@ constexpr Line kCluster[] = {
     {"cloud, size of a matched pixel", "/cloud/matched_pixel_m", "m"},
     {"cloud, height, bias", "/cloud/height/m/bias", "m"},
     {"cloud, height, NMAD", "/cloud/height/matched_pixels/nmad", "matched pixels"},
+    {"cloud, height, NMAD without bend", "/cloud/height/without_bend_matched_pixels/nmad",
+     "matched pixels"},
     {"cloud, height, 95 %", "/cloud/height/matched_pixels/p95", "matched pixels"},
     {"cloud, within 1 matched pixel", "/cloud/height/within_1_matched_pixel", "%", 100},
     {"cloud, completeness", "/cloud/completeness", "%", 100},

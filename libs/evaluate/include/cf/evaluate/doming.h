@@ -16,6 +16,11 @@ struct Doming {
   double rms_m = 0;   ///< about their mean
 };
 
+/// What is left of the errors after the whole fit; fails as domingOf() does. The fit is to every
+/// n-th place of many.
+Result<std::vector<double>> withoutBend(const std::vector<Eigen::Vector2d>& places_m,
+                                        const std::vector<double>& errors_m);
+
 /// Fails on fewer than 6 places, or such as do not determine the fit.
 Result<Doming> domingOf(const std::vector<Eigen::Vector2d>& places_m,
                         const std::vector<double>& errors_m);
