@@ -75,15 +75,15 @@ void setFootprints(Samples& s, float pixel) {
 }
 
 /// Whether two neighbouring pixels see different things: an edge runs between them.
-bool differ(const Samples& s, std::size_t i, std::size_t j) {
+bool differ(const Scene::Impl& scene, const Samples& s, std::size_t i, std::size_t j) {
   if (s.object[i] != s.object[j] || (s.t[i] < 0) != (s.t[j] < 0)) return true;
   if (s.t[i] < 0) return false;
-  if ((s.sun[i] > 0) != (s.sun[j] > 0)) return true;
-  const float cosine = s.nx[i] * s.nx[j] + s.ny[i] * s.ny[j] + s.nz[i] * s.nz[j];
   // Off the tangent plane by more than some footprints: one part hides another of the object.
   const float step =
       s.nx[i] * (s.x[j] - s.x[i]) + s.ny[i] * (s.y[j] - s.y[i]) + s.nz[i] * (s.z[j] - s.z[i]);
-  return cosine < 0.8F || std::abs(step) > 3 * s.footprint[i];
+  if (std::abs(step) > 3 * s.footprint[i]) return true;
+  // The facets of a crown are all turned differently, and shade each other: that is its texture.
+  return !scene.isPlant(s.object[i]) && (s.sun[i] > 0) != (s.sun[j] > 0);
 }
 
 }  // namespace
@@ -164,7 +164,7 @@ void PhotoTile::refineEdges(const Scene& scene, const TrueCamera& camera, int sa
       const auto i = static_cast<std::size_t>(indexOf(x, y));
       for (const int j :
            {indexOf(x + 1, y), indexOf(x - 1, y), indexOf(x, y + 1), indexOf(x, y - 1)}) {
-        if (!differ(pixels_, i, static_cast<std::size_t>(j))) continue;
+        if (!differ(scene.impl(), pixels_, i, static_cast<std::size_t>(j))) continue;
         edges_.push_back(y * kSide + x);
         break;
       }

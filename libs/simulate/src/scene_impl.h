@@ -36,6 +36,7 @@ class Scene::Impl {
   std::optional<SurfaceHit> hit(const Eigen::Vector3d& origin,
                                 const Eigen::Vector3d& direction) const;
 
+  bool isPlant(std::uint32_t object) const { return object > parts_.size(); }
   const Terrain& terrain() const { return terrain_; }
   const Eigen::AlignedBox2d& area() const { return area_; }
   /// World coordinates of the scene's origin.
