@@ -15,6 +15,8 @@ constexpr int kSide = PhotoTile::kSide;
 constexpr int kNodes = 5;
 constexpr int kBlock = 4;  // pixels are kept in blocks of 4 x 4: one packet of rays each
 static_assert(kSide % kBlock == 0);
+// A good lens and the pixel's own size: light from one point spreads by half a pixel.
+constexpr float kSpotVariance_px2 = 0.25F;
 
 /// Index of pixel (x, y) of the tile, apron included.
 int indexOf(int x, int y) {
@@ -217,29 +219,36 @@ void PhotoTile::blur(const TrueCamera& camera, const CameraMotion& motion, doubl
   const Eigen::Matrix3f R_cam_world = motion.T_world_cam.linear().transpose().cast<float>();
   const Eigen::Vector3f velocity = R_cam_world * motion.velocity_mps.cast<float>();
   const Eigen::Vector3f turn = motion.angular_velocity_radps.cast<float>();
-  if (exposure_s <= 0 || (velocity.isZero() && turn.isZero())) return;
+  const bool moves = exposure_s > 0 && !(velocity.isZero() && turn.isZero());
   const auto pixels_moved = static_cast<float>(camera.focal * exposure_s);
   for (int y = 1; y + 1 < kSide; ++y) {
     for (int x = 1; x + 1 < kSide; ++x) {
       const auto i = static_cast<std::size_t>(indexOf(x, y));
-      if (pixels_.t[i] < 0) continue;
-      const Eigen::Vector3f n =
-          R_cam_world * Eigen::Vector3f(pixels_.dx[i], pixels_.dy[i], pixels_.dz[i]);
-      const Eigen::Vector3f flow = -velocity / pixels_.t[i] - turn.cross(n);
-      const float u = pixels_moved * (flow.x() - n.x() * flow.z());
-      const float v = pixels_moved * (flow.y() - n.y() * flow.z());
-      constexpr float kLeast_px = 0.1F;
-      if (u * u + v * v < kLeast_px * kLeast_px) continue;
-      // 3 x 3 weights with the second moments of a bar of length (u, v): L²/12.
-      const float xx = u * u / 24, yy = v * v / 24, xy = u * v / 48;
-      auto at = [&](int dx, int dy, std::size_t c) {
-        return light_[std::size_t{3} * static_cast<std::size_t>(indexOf(x + dx, y + dy)) + c];
+      // 3 x 3 weights with the second moments of the lens' spot and of a bar of length (u, v):
+      // L²/12.
+      float xx = kSpotVariance_px2 / 2, yy = kSpotVariance_px2 / 2, xy = 0;
+      if (moves && pixels_.t[i] >= 0) {
+        const Eigen::Vector3f n =
+            R_cam_world * Eigen::Vector3f(pixels_.dx[i], pixels_.dy[i], pixels_.dz[i]);
+        const Eigen::Vector3f flow = -velocity / pixels_.t[i] - turn.cross(n);
+        const float u = pixels_moved * (flow.x() - n.x() * flow.z());
+        const float v = pixels_moved * (flow.y() - n.y() * flow.z());
+        constexpr float kLeast_px = 0.1F;
+        if (u * u + v * v > kLeast_px * kLeast_px) {
+          xx += u * u / 24;
+          yy += v * v / 24;
+          xy = u * v / 48;
+        }
+      }
+      const float* middle = &light_[3 * i];
+      auto at = [&](int dx, int dy) {
+        return &light_[std::size_t{3} * static_cast<std::size_t>(indexOf(x + dx, y + dy))];
       };
+      const float *w = at(-1, 0), *e = at(1, 0), *n = at(0, -1), *s = at(0, 1);
+      const float *nw = at(-1, -1), *ne = at(1, -1), *sw = at(-1, 1), *se = at(1, 1);
       for (std::size_t c = 0; c < 3; ++c) {
-        blurred_[3 * i + c] = at(0, 0, c) * (1 - 2 * xx - 2 * yy) +
-                              xx * (at(-1, 0, c) + at(1, 0, c)) +
-                              yy * (at(0, -1, c) + at(0, 1, c)) +
-                              xy * (at(1, 1, c) + at(-1, -1, c) - at(1, -1, c) - at(-1, 1, c));
+        blurred_[3 * i + c] = middle[c] * (1 - 2 * xx - 2 * yy) + xx * (w[c] + e[c]) +
+                              yy * (n[c] + s[c]) + xy * (se[c] + nw[c] - ne[c] - sw[c]);
       }
     }
   }

@@ -33,7 +33,7 @@ CF_SIMULATE_CLONES void addOctave(int n, const float* x, const float* y, const f
     const float g11 = static_cast<float>(static_cast<std::int32_t>(h11 ^ (h11 << 13)));
     const float top = g00 + wu * (g10 - g00), bottom = g01 + wu * (g11 - g01);
     const float value = (top + wv * (bottom - top)) * 0x1p-31F;
-    float t = spacing / footprint[i] - 1;
+    float t = spacing / (1.5F * footprint[i]) - 1;
     t = t < 0 ? 0 : t;
     t = t > 1 ? 1 : t;
     sum[i] += amplitude * (t * t * (3 - 2 * t)) * value;
