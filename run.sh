@@ -10,7 +10,7 @@ usage() {
 ./run.sh [cf-run options]
 
 Installs what is missing, builds, and runs the main job: a configuration, or folders of photos (one
-UAV each), or the demo rawlogs in rawlogs/ with config.ini.
+UAV each), or, without either, the demo in rawlogs/ with config.ini.
 
   cf-import options  --split N|strips  --geo FILE  --camera FILE  --sigma H,V
   cf-run options     -o OUTDIR  -s section.key=value  -w
@@ -64,9 +64,8 @@ if [ -n "$config" ]; then
   [ ${#photos[@]} -eq 0 ] || fail "give a configuration or folders of photos, not both"
   [ -f "$config" ] || fail "$config: no such configuration file"
 elif [ ${#photos[@]} -eq 0 ]; then
-  compgen -G "$root/rawlogs/*.rawlog" >/dev/null ||
-    fail "there are no demo rawlogs in rawlogs/ yet: give a CONFIG.ini or folders of photos (--help)"
   config=$root/config.ini
+  [[ " ${run_options[*]} " == *" -o "* ]] || run_options+=(-w) # of the demo's own results
 fi
 [ ${#photos[@]} -gt 0 ] || [ ${#import_options[@]} -eq 0 ] ||
   fail "${import_options[0]} is for folders of photos, and none was given"
@@ -75,7 +74,7 @@ prepare() (
   cd "$root"
   source scripts/prepare.sh
   installPackages
-  build cf-import cf-run cf-snapshot cf-eval
+  build cf-import cf-simulate cf-run cf-snapshot cf-eval
 )
 prepare
 
@@ -84,4 +83,13 @@ if [ ${#photos[@]} -gt 0 ]; then
   "$root/build/bin/cf-import" "${photos[@]}" "${import_options[@]}" -o "$imported"
   config=$imported/config.ini
 fi
-exec "$root/build/bin/cf-run" "$config" "${run_options[@]}"
+"$root/build/bin/cf-run" "$config" "${run_options[@]}"
+
+# Where to look: the folder is that of -o, else results/ beside the configuration.
+outdir=$(dirname "$config")/results
+for ((i = 0; i < ${#run_options[@]}; i++)); do
+  [ "${run_options[i]}" != -o ] || outdir=${run_options[i + 1]}
+done
+for result in report.html snapshots/top.png snapshots/iso.png cloud/cloud.ply; do
+  [ ! -e "$outdir/$result" ] || echo "see   $outdir/$result"
+done

@@ -4,13 +4,10 @@
 #include <sys/wait.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <string>
 
 namespace cf {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct Outcome {
   int status;
@@ -41,14 +38,6 @@ TEST(RunScript, namesWhatIsWrongWithItsArguments) {
   expectUsageError("a.ini b.ini", "one configuration at a time: a.ini or b.ini");
   expectUsageError("/tmp nowhere.ini", "give a configuration or folders of photos, not both");
   expectUsageError("/tmp --split", "--split needs a value");
-}
-
-TEST(RunScript, saysThatThereAreNoDemoRawlogs) {
-  for (const auto& entry : fs::directory_iterator(fs::path(CF_SOURCE_DIR) / "rawlogs"))
-    if (entry.path().extension() == ".rawlog") GTEST_SKIP() << "there are";
-  expectUsageError("",
-                   "there are no demo rawlogs in rawlogs/ yet: give a CONFIG.ini or folders of "
-                   "photos (--help)");
 }
 
 TEST(RunScript, helps) {
