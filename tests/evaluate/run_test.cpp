@@ -235,6 +235,19 @@ TEST(EvaluateRun, WhatIsNotThereIsSaid) {
   EXPECT_NE(table.find("no depth: the run has no depth maps"), std::string::npos) << table;
 }
 
+TEST(EvaluateRun, SeamsWithoutTrueDepthMaps) {
+  Faults faults;
+  faults.shift_b_m = {0, 0, 1};
+  const SimulatedRun run(faults);
+  std::filesystem::remove_all(run.truth() / "depth");
+  const json f = json::parse(evaluateRun(run.out(), run.truth()));
+  EXPECT_EQ(f["missing"].size(), 1u) << f["missing"];
+  EXPECT_TRUE(f["depth"].is_null());
+  EXPECT_GT(at(f, "/seam/all/places"), 500);
+  EXPECT_NEAR(at(f, "/seam/all/vertical_m/median"), 1, 0.01);
+  EXPECT_NEAR(at(f, "/cloud/matched_pixel_m"), 50 * 2 / 320.0, 0.02);
+}
+
 TEST(EvaluateRun, FoldersThatAreNotWhatTheyShouldBeAreNamed) {
   const SimulatedRun run({});
   const auto errorOf = [](const std::filesystem::path& out, const std::filesystem::path& truth) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "cf/base/error.h"
 #include "cf/base/text.h"
@@ -45,6 +46,25 @@ std::optional<std::pair<double, double>> HeightGrid::heightRange(const Eigen::Ve
   return range;
 }
 
+std::optional<double> HeightGrid::firstHit(const Eigen::Vector3d& from,
+                                           const Eigen::Vector3d& direction) const {
+  if (!(direction.z() < 0)) return std::nullopt;
+  const double begin = std::max(0.0, (greatest_m - from.z()) / direction.z());
+  const double end = (least_m - from.z()) / direction.z();
+  const double step = spacing_m / 2 / std::max(1e-9, direction.head<2>().norm());
+  for (double t = begin, before = begin;; before = t, t = std::min(end, t + step)) {
+    const Eigen::Vector3d p = from + t * direction;
+    const double x = std::floor((p.x() - west_m) / spacing_m),
+                 y = std::floor((north_m - p.y()) / spacing_m);
+    if (x >= 0 && y >= 0 && x < heights.cols && y < heights.rows) {
+      const auto z =
+          static_cast<double>(heights.at<float>(static_cast<int>(y), static_cast<int>(x)));
+      if (p.z() <= z + 1e-6) return std::max(before, (z - from.z()) / direction.z());
+    }
+    if (t >= end) return std::nullopt;
+  }
+}
+
 HeightGrid readHeightGrid(const std::filesystem::path& file) {
   const FloatRaster raster = readFloatRaster(file);
   const auto number = [&](const char* key) {
@@ -54,8 +74,17 @@ HeightGrid readHeightGrid(const std::filesystem::path& file) {
       throw RunError(file.string() + ": needs the TIFF metadata item " + key + ", metres");
     return *value;
   };
-  HeightGrid grid{number("ORIGIN_E"), number("ORIGIN_N"), number("SPACING"), raster.values};
+  HeightGrid grid{number("ORIGIN_E"), number("ORIGIN_N"), number("SPACING"), raster.values, 0, 0};
   if (!(grid.spacing_m > 0)) throw RunError(file.string() + ": SPACING should be above 0");
+  float least = std::numeric_limits<float>::max(), greatest = -least;
+  for (auto z = grid.heights.begin<float>(); z != grid.heights.end<float>(); ++z)
+    if (std::isfinite(*z)) {
+      least = std::min(least, *z);
+      greatest = std::max(greatest, *z);
+    }
+  if (least > greatest) throw RunError(file.string() + ": no cell has a height");
+  grid.least_m = static_cast<double>(least);
+  grid.greatest_m = static_cast<double>(greatest);
   return grid;
 }
 

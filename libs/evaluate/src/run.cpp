@@ -25,7 +25,7 @@ void add(Json& out, const char* name, const RunSection& section) {
 void addGround(Json& out, const RunInputs& run, const std::vector<TruthView>& views,
                const Sim3& S_ref_est) {
   if (views.empty()) {
-    const Failure none{"no_truth", "the truth has no depth maps"};
+    const Failure none{"no_truth", "the truth has neither depth maps nor dsm.tif"};
     for (const char* name : {"seam", "ground", "doming", "depth"}) add(out, name, none);
     return;
   }

@@ -82,12 +82,15 @@ Json errorsOf(const std::vector<PhotoDepths>& photos, double scale) {
 }  // namespace
 
 RunSection depthFigures(const RunInputs& run, const std::vector<TruthView>& views, double scale) {
-  if (views.empty()) return Failure{"no_truth", "the truth has no depth maps"};
+  std::vector<const TruthView*> mapped;
+  for (const TruthView& view : views)
+    if (view.mapped) mapped.push_back(&view);
+  if (mapped.empty()) return Failure{"no_truth", "the truth has no depth maps"};
   if (!std::filesystem::is_directory(run.out_dir / "depth"))
     return Failure{"no_depth", "the run has no depth maps: cf-run -s deliver.depth_maps=1"};
-  std::vector<PhotoDepths> photos(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
-    photos[i] = compare(run, views, views[i], kSamples / views.size());
+  std::vector<PhotoDepths> photos(mapped.size());
+  tbb::parallel_for(std::size_t{0}, mapped.size(), [&](std::size_t i) {
+    photos[i] = compare(run, views, *mapped[i], kSamples / mapped.size());
   });
   std::size_t seen_by_two = 0, with_depth = 0, samples = 0;
   for (const PhotoDepths& photo : photos) {
@@ -96,7 +99,7 @@ RunSection depthFigures(const RunInputs& run, const std::vector<TruthView>& view
     samples += photo.samples.size();
   }
   if (samples == 0) return Failure{"no_common_pixel", "no pixel has a true and an estimated depth"};
-  return Json{{"photos", views.size()},
+  return Json{{"photos", mapped.size()},
               {"completeness", seen_by_two > 0 ? finite(static_cast<double>(with_depth) /
                                                         static_cast<double>(seen_by_two))
                                                : Json(nullptr)},

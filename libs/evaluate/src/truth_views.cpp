@@ -8,11 +8,12 @@
 #include "cf/base/error.h"
 #include "cf/base/text.h"
 #include "cf/formats/float_raster.h"
+#include "height_grid.h"
 
 namespace cf {
 namespace {
 
-constexpr int kThinnedPixels = 200'000;
+constexpr int kThinnedPixels = 200'000, kMadePixels = 30'000;
 constexpr double kSmooth = 0.02, kSameDepth = 0.01;  ///< of the depth
 
 SparseDepth thinned(const SparseDepth& full) {
@@ -24,6 +25,22 @@ SparseDepth thinned(const SparseDepth& full) {
   for (int j = 0; j < out.values.rows; ++j)
     for (int i = 0; i < out.values.cols; ++i)
       out.values.at<float>(j, i) = full.values.at<float>(j * n, i * n);
+  return out;
+}
+
+SparseDepth depthFrom(const HeightGrid& heights, const CameraModel& camera,
+                      const Eigen::Isometry3d& T_world_cam) {
+  SparseDepth out;
+  while ((camera.width / out.step) * (camera.height / out.step) > kMadePixels) ++out.step;
+  out.values = cv::Mat::zeros((camera.height - 1) / out.step + 1, (camera.width - 1) / out.step + 1,
+                              CV_32FC1);
+  for (int j = 0; j < out.values.rows; ++j)
+    for (int i = 0; i < out.values.cols; ++i) {
+      const Eigen::Vector2d pixel(i * out.step, j * out.step);
+      const Eigen::Vector3d ray = T_world_cam.linear() * camera.undistort(pixel).homogeneous();
+      if (const auto depth = heights.firstHit(T_world_cam.translation(), ray))
+        out.values.at<float>(j, i) = static_cast<float>(*depth);
+    }
   return out;
 }
 
@@ -79,18 +96,23 @@ std::filesystem::path depthFile(const std::filesystem::path& folder, const RunUa
 
 std::vector<TruthView> readTruthViews(const RunInputs& run) {
   std::vector<TruthView> views;
+  std::optional<HeightGrid> heights;
+  if (std::filesystem::exists(run.truth_dir / "dsm.tif"))
+    heights = readHeightGrid(run.truth_dir / "dsm.tif");
   for (std::size_t u = 0; u < run.uavs.size(); ++u) {
     const RunUav& uav = run.uavs[u];
     if (!uav.camera_true) continue;
     for (std::size_t k = 0; k < uav.photos.size(); ++k) {
       const std::filesystem::path file = depthFile(run.truth_dir, uav, uav.photos[k]);
-      if (!std::filesystem::exists(file)) continue;
       TruthView view;
+      view.mapped = std::filesystem::exists(file);
+      if (!view.mapped && !heights) continue;
       view.uav = u;
       view.photo = k;
       view.T_cam_world = uav.photos[k].truth.inverse();
       view.camera = &*uav.camera_true;
-      view.depth = thinned(readSparseDepth(file));
+      view.depth = view.mapped ? thinned(readSparseDepth(file))
+                               : depthFrom(*heights, *view.camera, uav.photos[k].truth);
       views.push_back(std::move(view));
     }
   }

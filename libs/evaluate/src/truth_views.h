@@ -30,6 +30,7 @@ struct TruthView {
   std::size_t uav = 0, photo = 0;  ///< indices into RunInputs
   Eigen::Isometry3d T_cam_world = Eigen::Isometry3d::Identity();
   const CameraModel* camera = nullptr;  ///< the true one
+  bool mapped = false;  ///< the truth has its depth map; otherwise the depths are made of dsm.tif
   SparseDepth depth;
 
   /// The pixel at which the true camera sees the point; false if it is out of sight, hidden, or its
@@ -41,8 +42,8 @@ struct TruthView {
 std::filesystem::path depthFile(const std::filesystem::path& folder, const RunUav& uav,
                                 const RunPhoto& photo);
 
-/// All photos of the truth with a camera and a depth map, by UAV and photo; `run` must outlive
-/// them.
+/// All photos of the truth with a camera and a depth map, or at least a dsm.tif to make one of, by
+/// UAV and photo; `run` must outlive them.
 std::vector<TruthView> readTruthViews(const RunInputs& run);
 
 }  // namespace cf
