@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "statistics.h"
+
 namespace cf {
 namespace {
 
 constexpr std::size_t kFitted = 100'000;
+constexpr int kRounds = 4;  ///< fits, each without what lies beyond 3 sigma of the last
 
 /// The fit in coordinates about the middle of the places, 1 at the farthest of them.
 struct Quadratic {
@@ -62,11 +65,23 @@ Result<Doming> domingOf(const std::vector<Eigen::Vector2d>& places_m,
 
 Result<std::vector<double>> withoutBend(const std::vector<Eigen::Vector2d>& places_m,
                                         const std::vector<double>& errors_m) {
-  const Result<Quadratic> quadratic = fit(places_m, errors_m);
-  if (!quadratic) return quadratic.failure();
-  std::vector<double> left = errors_m;
-  for (std::size_t i = 0; i < left.size(); ++i)
-    left[i] -= quadratic->terms(places_m[i]).dot(quadratic->factors);
+  std::vector<Eigen::Vector2d> places = places_m;
+  std::vector<double> errors = errors_m, left;
+  for (int round = 0; round < kRounds; ++round) {
+    const Result<Quadratic> quadratic = fit(places, errors);
+    if (!quadratic) return quadratic.failure();
+    left = errors_m;
+    for (std::size_t i = 0; i < left.size(); ++i)
+      left[i] -= quadratic->terms(places_m[i]).dot(quadratic->factors);
+    const double limit = 3 * nmad(left), middle = median(left);
+    places.clear();
+    errors.clear();
+    for (std::size_t i = 0; i < left.size(); ++i)
+      if (std::abs(left[i] - middle) <= limit) {
+        places.push_back(places_m[i]);
+        errors.push_back(errors_m[i]);
+      }
+  }
   return left;
 }
 

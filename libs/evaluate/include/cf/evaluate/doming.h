@@ -16,8 +16,8 @@ struct Doming {
   double rms_m = 0;   ///< about their mean
 };
 
-/// What is left of the errors after the whole fit; fails as domingOf() does. The fit is to every
-/// n-th place of many.
+/// What is left of the errors after the whole fit, which gross errors do not pull; fails as
+/// domingOf() does. The fit is to every n-th place of many.
 Result<std::vector<double>> withoutBend(const std::vector<Eigen::Vector2d>& places_m,
                                         const std::vector<double>& errors_m);
 
