@@ -18,7 +18,7 @@ struct Look {
 
 // Amplitudes by octave: 20.5 m, 10.2, 5.1, 2.6, 1.3, 0.64, 0.32, 0.16, 0.08, 0.04, 0.02, 0.01.
 const std::array<Look, kMaterials> kLooks = {{
-    {{.05F, .06F, .07F, .08F, .08F, .09F, .11F, .14F, .18F, .2F, .2F, .18F},
+    {{.05F, .06F, .07F, .08F, .08F, .1F, .14F, .2F, .27F, .3F, .3F, .28F},
      {.1F, .1F, .1F, .12F, .12F, .1F, .1F, .1F, .1F},
      {-.2F, .1F, .6F},
      0},
