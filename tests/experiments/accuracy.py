@@ -65,7 +65,7 @@ def main():
         if data and (pathlib.Path(data) / name).exists():
             rows[name] = [real(lab, pathlib.Path(data) / name, name)["icp"]]
 
-    rows["town as GNSS places it"] = [town["none"] for town in towns]
+    rows["town by GNSS alone"] = [town["none"] for town in towns]
 
     bars, text = [('"paper"', *(100 * value for limit in ("1m", "2m")
                               for value in (sum(PAPER[limit]) / 2, *PAPER[limit])))], []
@@ -84,7 +84,7 @@ def main():
              "set ylabel 'points within the distance [%]'\nset xtics noenhanced\n"
              f"plot $bars using 2:3:4:xtic(1) lc rgb '{COLOURS[0]}' title 'within 1 m', "
              f"$bars using 5:6:7 lc rgb '{COLOURS[4]}' title 'within 2 m'\n",
-             size="900,420", bars=bars)
+             size="1020,420", bars=bars)
     table(["flight", *(f"within {limit[:-1]} m [%]" for limit in LIMITS),
            "completeness within 1 m [%]", "median [m]"], text)
 

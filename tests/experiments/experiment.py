@@ -115,6 +115,10 @@ def spread(values):
 
 
 def spread_text(values, form="{:.2f}"):
+    """Median (lowest – highest), or the only value."""
+    values = list(values)
+    if len(values) == 1:
+        return form.format(values[0])
     return "{} ({} – {})".format(*(form.format(v) for v in spread(values)))
 
 

@@ -94,12 +94,12 @@ def movement(result):
 
 
 def curves(of):
-    """Rows (photo, median, lowest, highest) of the error over the seeds."""
+    """Rows (photo, median, largest) of the error's magnitude over the seeds."""
     by_photo = {}
     for result in of:
         for photo, error in result["curve"]:
-            by_photo.setdefault(photo, []).append(error)
-    return [(photo, *spread(errors)) for photo, errors in sorted(by_photo.items())
+            by_photo.setdefault(photo, []).append(abs(error))
+    return [(photo, *spread(errors)[::2]) for photo, errors in sorted(by_photo.items())
             if len(errors) == len(of)]
 
 
@@ -110,25 +110,24 @@ def main():
 
     tables, panels, rows = {}, [], []
     for k, case in enumerate(CASES):
-        limit = 4 * CASES[case][0] + 1
-        panels.append(f"set title '{case}'\nset yrange [{-limit}:{limit}]\n"
-                      + ("unset key\n" if k else "set key top right\n"))
+        panels.append(f"set title '{case}'\n" + ("unset key\n" if k else "set key top right\n"))
         lines = []
         for m, method in enumerate(METHODS):
             of = [result[method] for result in results[case]]
             name = f"t{k}_{m}"
             tables[name] = curves(of)
             colour = f"lc rgb '{COLOURS[m]}'"
-            lines += [f"${name} using 1:3:4 with filledcurves {colour} notitle",
-                      f"${name} using 1:2 with lines lw 2 {colour} title '{method}' noenhanced"]
+            lines += [f"${name} using 1:2 with lines lw 2.5 {colour} title '{method}' noenhanced",
+                      f"${name} using 1:3 with lines lw 1.2 dt (6,3) {colour} notitle"]
             rows.append([case, method,
                          spread_text(r["final"] for r in of),
                          spread_text((r["converged"] for r in of), "{:.0f}"),
                          spread_text(movement(r) for r in of),
                          spread_text(r["online_rmse_m"] for r in of)])
-        panels.append("plot 0 lc rgb 'black' notitle, " + ", ".join(lines) + "\n")
+        panels.append("plot " + ", ".join(lines) + "\n")
     lab.plot("scale_over_time",
-             "set multiplot layout 2,2\nset xlabel 'photo'\nset ylabel 'error of the scale [%]'\n"
+             "set multiplot layout 2,2\nset xlabel 'photo'\nset logscale y\n"
+             "set yrange [0.02:30]\nset format y '%g'\nset ylabel 'error of the scale [%]'\n"
              + "".join(panels) + "unset multiplot\n", size="1000,720", **tables)
 
     table(["case", "method", "scale at the end, error [%]",

@@ -11,25 +11,37 @@ little.
 
 from experiment import COLOURS, Lab, spread, spread_text, table
 
-UAVS = [1, 2, 4, 8, 16]
+WIDTH = 512  # of a photo [px]
 AGENT = ["decode", "odometry", "georeference"]
 CENTRE = ["align", "fuse", "deliver_cloud"]
 DENSE = "densify"  # at the centre today; a UAV's own work by the design of the seam
 
 
+def options(parser):
+    parser.add_argument("--uavs", type=int, nargs="+", default=[1, 2, 4, 8, 16],
+                        help="numbers of UAVs (default: %(default)s)")
+    parser.add_argument("--width", type=int, default=WIDTH,
+                        help="of the photos [px], 4:3 (default: %(default)s)")
+
+
 def experiment(lab, seed, n):
+    width = lab.options.width
+    height = width * 3 // 4
+    megapixels = width * height / 1e6
+
     def make(folder):
         flight = lab.simulate(
             folder,
             simulation={"seed": seed, "uavs": n, "shared": 0, "depth_megapixels": 0,
                         "reference_spacing": 0},
             scene={"tree_density": 0},
-            camera={"photo_width": 512, "photo_height": 384},
+            camera={"photo_width": width, "photo_height": height},
             flight={"length": 85, "width": 480},
             gnss={"bias_limit_h": 1, "bias_limit_v": 2})
         run = folder / "run"
-        report = lab.run(flight / "config.ini", run, odometry__megapixels=0.2,
-                         densify__megapixels=0.2, system__threads=1)
+        # The defaults, but nothing larger than the photo.
+        report = lab.run(flight / "config.ini", run, odometry__megapixels=min(1, megapixels),
+                         densify__megapixels=min(1.5, megapixels), system__threads=1)
         figures = lab.evaluate("run", run, flight / "truth")
         photos = report["photos"]["total"]
         return {
@@ -42,7 +54,7 @@ def experiment(lab, seed, n):
             "rmse_m": figures["trajectory"]["se3"]["rmse_m"],
         }
 
-    return lab.kept(f"uavs{n}_seed{seed}", make)
+    return lab.kept(f"width{width}_uavs{n}_seed{seed}", make)
 
 
 def share(result, stages):
@@ -57,40 +69,44 @@ def critical_path(result, n, dense_aboard):
 
 
 def main():
-    lab = Lab("sharing", __doc__)
-    by_seed = [{n: experiment(lab, seed, n) for n in UAVS} for seed in lab.seeds]
-    results = {n: [of_seed[n] for of_seed in by_seed] for n in UAVS}
+    lab = Lab("sharing", __doc__, options)
+    uavs = lab.options.uavs
+    by_seed = [{n: experiment(lab, seed, n) for n in uavs} for seed in lab.seeds]
+    results = {n: [of_seed[n] for of_seed in by_seed] for n in uavs}
 
     panels, tables = [], {}
 
-    def panel(title, label, lines):
+    def panel(title, label, lines, key="top right"):
         """lines: {legend: function(result, n)}"""
         plots = []
         for k, (legend, value) in enumerate(lines.items()):
             name = f"t{len(tables)}"
-            tables[name] = [(n, *spread(value(r, n) for r in results[n])) for n in UAVS]
+            tables[name] = [(n, *spread(value(r, n) for r in results[n])) for n in uavs]
             colour = f"lc rgb '{COLOURS[k]}'"
             title_of = f"title '{legend}'" if len(lines) > 1 else "notitle"
-            plots += [f"${name} using 1:3:4 with filledcurves {colour} notitle",
-                      f"${name} using 1:2 with linespoints pt 7 lw 2 {colour} {title_of} noenhanced"]
-        panels.append(f"set title '{title}'\nset ylabel '{label}'\nplot " + ", ".join(plots) + "\n")
+            shift = 1 + 0.03 * (k - (len(lines) - 1) / 2)
+            plots.append(f"${name} using ($1*{shift}):2:3:4 with yerrorlines pt 7 lw 1.8 {colour} "
+                         f"{title_of} noenhanced")
+        panels.append(f"set title '{title}'\nset ylabel '{label}'\nset key {key}\nplot "
+                      + ", ".join(plots) + "\n")
 
     panel("work", "CPU s per photo",
           {name: lambda r, _, name=name: share(r, [name])
-           for name in ["odometry", "align", DENSE, "fuse", "georeference"]})
+           for name in ["align", DENSE, "odometry", "fuse", "georeference"]},
+          "top left maxrows 3")
     panel("critical path", "CPU s per photo of the area",
           {"densify at the centre": lambda r, n: critical_path(r, n, False),
-           "densify aboard": lambda r, n: critical_path(r, n, True)})
+           "densify aboard": lambda r, n: critical_path(r, n, True)}, "bottom left")
     panel("memory of all in one process", "peak [MB]", {"": lambda r, _: r["memory_mb"]})
     panel("over the seam", "kB per photo", {"": lambda r, _: r["seam_kb"]})
-    lab.plot("sharing",
+    lab.plot("sharing" if lab.options.width == WIDTH else f"sharing_{lab.options.width}",
              "set multiplot layout 2,2\nset logscale x 2\nset xrange [0.9:18]\nset yrange [0:*]\n"
-             "set offsets 0, 0, graph 0.25, 0\n"
-             "set xlabel 'UAVs'\nset key center right\n" + "".join(panels) + "unset multiplot\n",
+             "set offsets 0, 0, graph 0.3, 0\n"
+             "set xlabel 'UAVs'\n" + "".join(panels) + "unset multiplot\n",
              size="1000,720", **tables)
 
     rows = []
-    for n in UAVS:
+    for n in uavs:
         of = results[n]
         rows.append([n, sum(r["photos"] - r["posed"] for r in of),
                      spread_text((r["components"] for r in of), "{:.0f}"),
