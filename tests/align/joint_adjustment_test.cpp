@@ -131,6 +131,8 @@ TEST(AdjustJointly, RecoversAWrongCamera) {
   options.true_camera.k1 = -0.05;
   options.true_camera.k2 = 0.01;
   options.true_camera.p1 = 5e-4;
+  options.true_camera.cx += 7;
+  options.true_camera.cy -= 5;
   options.given_camera.focal_sigma = 0.05 * options.given_camera.fx;
   options.given_camera.k1_sigma = 0.1;
   options.given_camera.k2_sigma = 0.1;
@@ -144,13 +146,17 @@ TEST(AdjustJointly, RecoversAWrongCamera) {
   RecordProperty("camera", std::to_string(solution.cameras[0].fx) + " " +
                                std::to_string(solution.cameras[0].k1) + " " +
                                std::to_string(solution.cameras[0].k2) + " " +
-                               std::to_string(solution.cameras[0].p1));
+                               std::to_string(solution.cameras[0].p1) + " " +
+                               std::to_string(solution.cameras[0].cx) + " " +
+                               std::to_string(solution.cameras[0].cy));
   for (const CameraModel& camera : solution.cameras) {
     EXPECT_NEAR(camera.fx / options.true_camera.fx, 1, 0.008);
     EXPECT_EQ(camera.fx, camera.fy);
     EXPECT_NEAR(camera.k1, -0.05, 0.005);
     EXPECT_NEAR(camera.k2, 0.01, 0.01);
     EXPECT_NEAR(camera.p1, 5e-4, 2e-4);
+    EXPECT_NEAR(camera.cx, options.true_camera.cx, 2.5);
+    EXPECT_NEAR(camera.cy, options.true_camera.cy, 2.5);
     // Distortion and focal length trade a little: what counts is where the rays go.
     for (const double x : {-0.6, 0.0, 0.6})
       for (const double y : {-0.45, 0.0, 0.45})

@@ -10,17 +10,20 @@
 #include <cmath>
 #include <memory>
 
+#include "observation_noise.h"
 #include "track_triangulation.h"
 
 namespace cf {
 namespace {
 
-/// Lens of one UAV in units that do not depend on the photo's size: focal length over width, then
-/// k1, k2, p1, p2. The principal point is held: on nadir flights it cannot be told from p1, p2.
-constexpr int kLens = 5;
+/// Lens of one UAV in units that do not depend on the photo's size: focal length over width, k1,
+/// k2, p1, p2, and the principal point from the photo's left and top edge over width.
+constexpr int kLens = 7;
 using Lens = std::array<double, kLens>;
 
-Lens lensOf(const CameraModel& c) { return {c.fx / c.width, c.k1, c.k2, c.p1, c.p2}; }
+Lens lensOf(const CameraModel& c) {
+  return {c.fx / c.width, c.k1, c.k2, c.p1, c.p2, (c.cx + 0.5) / c.width, (c.cy + 0.5) / c.width};
+}
 
 CameraModel withLens(CameraModel camera, const Lens& lens) {
   const double aspect = camera.fy / camera.fx;
@@ -30,6 +33,8 @@ CameraModel withLens(CameraModel camera, const Lens& lens) {
   camera.k2 = lens[2];
   camera.p1 = lens[3];
   camera.p2 = lens[4];
+  camera.cx = lens[5] * camera.width - 0.5;
+  camera.cy = lens[6] * camera.width - 0.5;
   return camera;
 }
 
@@ -40,8 +45,8 @@ struct PoseBlock {
 
 /// Distorted pixel of a world point minus where it was seen, in sigmas.
 struct ReprojectionError {
-  Eigen::Vector2d pixel;
-  double width, aspect, cx, cy, k3, inverse_sigma;
+  Eigen::Vector2d pixel_from_corner;  ///< not from the first pixel's centre
+  double width, aspect, k3, inverse_sigma;
 
   template <class T>
   bool operator()(const T* q, const T* t, const T* point, const T* lens, T* residual) const {
@@ -55,8 +60,9 @@ struct ReprojectionError {
     const T xd = x * radial + T(2) * lens[3] * x * y + lens[4] * (r2 + T(2) * x * x);
     const T yd = y * radial + lens[3] * (r2 + T(2) * y * y) + T(2) * lens[4] * x * y;
     const T f = lens[0] * T(width);
-    residual[0] = T(inverse_sigma) * (f * xd + T(cx) - T(pixel.x()));
-    residual[1] = T(inverse_sigma) * (f * T(aspect) * yd + T(cy) - T(pixel.y()));
+    residual[0] = T(inverse_sigma) * (f * xd + lens[5] * T(width) - T(pixel_from_corner.x()));
+    residual[1] =
+        T(inverse_sigma) * (f * T(aspect) * yd + lens[6] * T(width) - T(pixel_from_corner.y()));
     return true;
   }
 };
@@ -120,7 +126,11 @@ class Adjustment {
  public:
   Adjustment(const MatchGraph& graph, const std::vector<Track>& tracks, const JointProblem& problem,
              const JointOptions& options)
-      : graph_(graph), tracks_(tracks), problem_(problem), options_(options) {
+      : graph_(graph),
+        tracks_(tracks),
+        problem_(problem),
+        options_(options),
+        noise_{options.feature_sigma_px, 0} {
     for (const JointPhoto& photo : problem.photos) {
       const Eigen::Quaterniond q(photo.T_world_cam.linear());
       const Eigen::Vector3d t = photo.T_world_cam.translation();
@@ -143,20 +153,21 @@ class Adjustment {
       blocks.push_back({p.position_m.x(), p.position_m.y(), p.position_m.z()});
     ceres::Problem ceres_problem;
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    ceres::LossFunction* loss =
-        new ceres::ScaledLoss(new ceres::CauchyLoss(loss_sigmas),
-                              1 / options_.correlated_observations, ceres::TAKE_OWNERSHIP);
+    ceres::LossFunction* loss = new ceres::ScaledLoss(
+        new ceres::CauchyLoss(loss_sigmas),
+        1 / (1 + options_.common_error_reach * noise_.common_share), ceres::TAKE_OWNERSHIP);
     for (std::size_t i = 0; i < points.size(); ++i) {
       for (const auto& o : points[i].observations) {
         const Keyframe& photo = graph_.photo(o.frame);
         const CameraModel& c = photo.camera;
-        const double sigma = options_.feature_sigma_px * photo.features->pixel_size;
+        const double sigma = noise_.sigma_px * photo.features->pixel_size;
+        const Eigen::Vector2d pixel =
+            photo.features->pixel[static_cast<std::size_t>(o.feature)].cast<double>();
         PoseBlock& pose = *poses_.at(o.frame);
         ceres_problem.AddResidualBlock(
             new ceres::AutoDiffCostFunction<ReprojectionError, 2, 4, 3, 3, kLens>(
-                new ReprojectionError{
-                    photo.features->pixel[static_cast<std::size_t>(o.feature)].cast<double>(),
-                    static_cast<double>(c.width), c.fy / c.fx, c.cx, c.cy, c.k3, 1 / sigma}),
+                new ReprojectionError{pixel + Eigen::Vector2d(0.5, 0.5),
+                                      static_cast<double>(c.width), c.fy / c.fx, c.k3, 1 / sigma}),
             loss, pose.q, pose.t, blocks[i].data(), lenses_[o.frame.uav].data());
       }
       ordering->AddElementToGroup(blocks[i].data(), 0);
@@ -195,6 +206,13 @@ class Adjustment {
     solver.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &ceres_problem, &summary);
+  }
+
+  /// From here on observations weigh what their residuals are worth.
+  void weighByResiduals(const std::vector<SparsePoint>& points) {
+    const ObservationNoise measured = measureNoise(graph_, points, posed());
+    if (measured.sigma_px > 0)
+      noise_ = {std::max(kLeastSigmaPx, measured.sigma_px), measured.common_share};
   }
 
   JointSolution solution(std::vector<SparsePoint> points) const {
@@ -302,21 +320,26 @@ class Adjustment {
       if (is_new)
         addPrior(problem, group->second.data(), {given.begin(), given.end()},
                  {std::max(1e-6, c.focal_sigma / c.width), std::max(1e-6, c.k1_sigma),
-                  std::max(1e-6, c.k2_sigma), kTangentialSigma, kTangentialSigma});
+                  std::max(1e-6, c.k2_sigma), kTangentialSigma, kTangentialSigma,
+                  options_.principal_point_sigma, options_.principal_point_sigma});
       const double f = 1 / (options_.focal_deviation * given[0]);
+      const double centre = 1 / (kCentreDeviation * options_.principal_point_sigma);
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<DifferencePrior, kLens, kLens, kLens>(
-              new DifferencePrior{{f, 1 / 0.005, 1 / 0.005, 1 / 0.0005, 1 / 0.0005}}),
+          new ceres::AutoDiffCostFunction<DifferencePrior, kLens, kLens, kLens>(new DifferencePrior{
+              {f, 1 / 0.005, 1 / 0.005, 1 / 0.0005, 1 / 0.0005, centre, centre}}),
           nullptr, lenses_[u].data(), group->second.data());
     }
   }
 
   static constexpr double kTangentialSigma = 0.002;
+  static constexpr double kCentreDeviation = 0.25;   ///< between UAVs, of the prior's sigma
+  static constexpr double kLeastSigmaPx = 0.1;
 
   const MatchGraph& graph_;
   const std::vector<Track>& tracks_;
   const JointProblem& problem_;
   const JointOptions& options_;
+  ObservationNoise noise_;
   std::vector<PoseBlock> pose_blocks_;
   std::map<FrameId, PoseBlock*> poses_;  ///< into pose_blocks_
   std::vector<Lens> lenses_;
@@ -329,9 +352,11 @@ class Adjustment {
 void JointOptions::visit(OptionVisitor& v) {
   v.integer("points_per_photo", points_per_photo, {36, 5000}, "points adjusted per photo");
   v.number("feature_sigma_px", feature_sigma_px, {0.1, 10},
-           "of a feature, at the feature size [px]");
-  v.number("correlated_observations", correlated_observations, {1, 1000},
-           "features of a photo that share one error (rolling shutter, lens, moving leaves)");
+           "of a feature until it is measured, at the feature size [px]");
+  v.number("common_error_reach", common_error_reach, {0, 1e6},
+           "observations that the error which a photo's features have in common counts for");
+  v.number("principal_point_sigma", principal_point_sigma, {1e-6, 0.1},
+           "prior, as a fraction of the photo's width");
   v.number("focal_deviation", focal_deviation, {1e-6, 0.2},
            "relative, between UAVs with the same camera model");
   v.number("bias_sigma_horizontal_m", bias_sigma_horizontal_m, {0.001, 1000},
@@ -339,7 +364,7 @@ void JointOptions::visit(OptionVisitor& v) {
   v.number("bias_sigma_vertical_m", bias_sigma_vertical_m, {0.001, 1000},
            "prior of a UAV's GNSS bias [m]");
   v.flag("refine_cameras", refine_cameras, "focal length and distortion of each UAV");
-  v.integer("max_iterations", max_iterations, {1, 500}, "of each of the three rounds");
+  v.integer("max_iterations", max_iterations, {1, 500}, "of each of the four rounds");
 }
 
 JointSolution adjustJointly(const MatchGraph& graph, const std::vector<Track>& tracks,
@@ -348,9 +373,14 @@ JointSolution adjustJointly(const MatchGraph& graph, const std::vector<Track>& t
   // From coarse to fine: what was thrown out while the poses were rough gets its chance again.
   struct Round {
     double threshold_px, loss_sigmas;
+    bool weigh;
   };
-  for (const Round round : {Round{30, 6}, Round{8, 3}, Round{3, 2}})
-    adjustment.solve(adjustment.triangulateAll(round.threshold_px), round.loss_sigmas);
+  for (const Round round :
+       {Round{30, 6, false}, Round{8, 3, false}, Round{3, 3, true}, Round{3, 3, true}}) {
+    const std::vector<SparsePoint> points = adjustment.triangulateAll(round.threshold_px);
+    if (round.weigh) adjustment.weighByResiduals(points);
+    adjustment.solve(points, round.loss_sigmas);
+  }
   return adjustment.solution(adjustment.triangulateAll(2));
 }
 

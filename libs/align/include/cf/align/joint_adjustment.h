@@ -14,12 +14,14 @@ namespace cf {
 
 struct JointOptions {
   int points_per_photo = 300;     ///< aimed at in the adjustment, spread over the photo
-  double feature_sigma_px = 0.7;  ///< of a feature's place, at the feature size
-  /// Features of a photo that share one error (rolling shutter, lens, moving leaves): so many of
-  /// them count as one observation against the priors and GNSS.
-  double correlated_observations = 20;
-  double focal_deviation = 0.005;      ///< relative; between UAVs with the same camera model
-  double bias_sigma_horizontal_m = 3;  ///< prior of a UAV's GNSS bias
+  double feature_sigma_px = 0.7;  ///< of a feature until it is measured, at the feature size
+  /// The measured share s of the residuals' variance that features of a part of a photo have in
+  /// common (rolling shutter, lens, moving leaves) does not average out: an observation counts for
+  /// 1 / (1 + reach s) against the priors and GNSS.
+  double common_error_reach = 3000;
+  double principal_point_sigma = 0.001;  ///< prior, of the photo's width
+  double focal_deviation = 0.005;        ///< relative; between UAVs with the same camera model
+  double bias_sigma_horizontal_m = 3;    ///< prior of a UAV's GNSS bias
   double bias_sigma_vertical_m = 10;
   bool refine_cameras = true;
   int max_iterations = 25;
@@ -49,9 +51,9 @@ struct JointSolution {
 };
 
 /// One bundle adjustment over all UAVs: tracks that cross UAVs, strips and segments; poses, points,
-/// focal length and distortion (k1, k2, p1, p2) of each camera under their priors, a GNSS bias per
-/// UAV. Weak priors on the poses given hold what nothing else does (roll about a straight flight).
-/// Beyond the paper; replaces its equation (9) where the data allow it. Deterministic.
+/// lens (focal length, principal point, k1, k2, p1, p2) of each camera under its priors, a GNSS
+/// bias per UAV. Weak priors on the poses given hold what nothing else does (roll about a straight
+/// flight). Beyond the paper; replaces its equation (9) where the data allow it. Deterministic.
 JointSolution adjustJointly(const MatchGraph& graph, const std::vector<Track>& tracks,
                             const JointProblem& problem, const JointOptions& options);
 
