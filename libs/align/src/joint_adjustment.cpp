@@ -38,10 +38,10 @@ CameraModel withLens(CameraModel camera, const Lens& lens) {
   return camera;
 }
 
-struct PoseBlock {
-  double q[4];  ///< T_world_cam, w x y z
-  double t[3];
-};
+/// T_world_cam: quaternion w x y z, then translation. One block: Ceres' Schur complement has a
+/// quarter of the cells that two would give it.
+constexpr int kPose = 7;
+using PoseBlock = std::array<double, kPose>;
 
 /// Distorted pixel of a world point minus where it was seen, in sigmas.
 struct ReprojectionError {
@@ -49,7 +49,8 @@ struct ReprojectionError {
   double width, aspect, k3, inverse_sigma;
 
   template <class T>
-  bool operator()(const T* q, const T* t, const T* point, const T* lens, T* residual) const {
+  bool operator()(const T* pose, const T* point, const T* lens, T* residual) const {
+    const T *q = pose, *t = pose + 4;
     const T d[3] = {point[0] - t[0], point[1] - t[1], point[2] - t[2]};
     const T inverse[4] = {q[0], -q[1], -q[2], -q[3]};
     T c[3];
@@ -71,8 +72,9 @@ struct ReprojectionError {
 struct GnssError {
   Eigen::Vector3d fix, inverse_sigma;
   template <class T>
-  bool operator()(const T* t, const T* bias, T* residual) const {
-    for (int i = 0; i < 3; ++i) residual[i] = T(inverse_sigma[i]) * (T(fix[i]) - t[i] - bias[i]);
+  bool operator()(const T* pose, const T* bias, T* residual) const {
+    for (int i = 0; i < 3; ++i)
+      residual[i] = T(inverse_sigma[i]) * (T(fix[i]) - pose[4 + i] - bias[i]);
     return true;
   }
 };
@@ -97,16 +99,21 @@ struct DifferencePrior {
   }
 };
 
-struct AttitudePrior {
-  Eigen::Quaterniond mean;
-  double inverse_sigma;
+/// Rotation [rad] and translation [m] against the pose given.
+struct PosePrior {
+  Eigen::Quaterniond rotation;
+  Eigen::Vector3d translation;
+  double inverse_rotation_sigma, inverse_translation_sigma;
   template <class T>
-  bool operator()(const T* q, T* residual) const {
-    const T m[4] = {T(mean.w()), T(-mean.x()), T(-mean.y()), T(-mean.z())};
+  bool operator()(const T* pose, T* residual) const {
+    const T m[4] = {T(rotation.w()), T(-rotation.x()), T(-rotation.y()), T(-rotation.z())};
     T d[4];
-    ceres::QuaternionProduct(m, q, d);
+    ceres::QuaternionProduct(m, pose, d);
     const T sign = d[0] < T(0) ? T(-2) : T(2);
-    for (int i = 0; i < 3; ++i) residual[i] = T(inverse_sigma) * sign * d[i + 1];
+    for (int i = 0; i < 3; ++i) {
+      residual[i] = T(inverse_rotation_sigma) * sign * d[i + 1];
+      residual[3 + i] = T(inverse_translation_sigma) * (pose[4 + i] - T(translation[i]));
+    }
     return true;
   }
 };
@@ -134,7 +141,7 @@ class Adjustment {
     for (const JointPhoto& photo : problem.photos) {
       const Eigen::Quaterniond q(photo.T_world_cam.linear());
       const Eigen::Vector3d t = photo.T_world_cam.translation();
-      pose_blocks_.push_back({{q.w(), q.x(), q.y(), q.z()}, {t.x(), t.y(), t.z()}});
+      pose_blocks_.push_back({q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
     }
     for (std::size_t i = 0; i < pose_blocks_.size(); ++i)
       poses_[problem.photos[i].id] = &pose_blocks_[i];
@@ -165,10 +172,10 @@ class Adjustment {
             photo.features->pixel[static_cast<std::size_t>(o.feature)].cast<double>();
         PoseBlock& pose = *poses_.at(o.frame);
         ceres_problem.AddResidualBlock(
-            new ceres::AutoDiffCostFunction<ReprojectionError, 2, 4, 3, 3, kLens>(
+            new ceres::AutoDiffCostFunction<ReprojectionError, 2, kPose, 3, kLens>(
                 new ReprojectionError{pixel + Eigen::Vector2d(0.5, 0.5),
                                       static_cast<double>(c.width), c.fy / c.fx, c.k3, 1 / sigma}),
-            loss, pose.q, pose.t, blocks[i].data(), lenses_[o.frame.uav].data());
+            loss, pose.data(), blocks[i].data(), lenses_[o.frame.uav].data());
       }
       ordering->AddElementToGroup(blocks[i].data(), 0);
     }
@@ -181,9 +188,10 @@ class Adjustment {
     // Within a group Ceres orders by address, which differs from run to run: the poses lie in one
     // array, and what lies elsewhere gets groups of its own.
     for (PoseBlock& pose : pose_blocks_) {
-      ceres_problem.SetManifold(pose.q, new ceres::QuaternionManifold());
-      ordering->AddElementToGroup(pose.q, 1);
-      ordering->AddElementToGroup(pose.t, 1);
+      ceres_problem.SetManifold(
+          pose.data(),
+          new ceres::ProductManifold<ceres::QuaternionManifold, ceres::EuclideanManifold<3>>());
+      ordering->AddElementToGroup(pose.data(), 1);
     }
     int group = 2;
     const auto order_next = [&](double* block) {
@@ -230,10 +238,9 @@ class Adjustment {
  private:
   static Eigen::Isometry3d poseOf(const PoseBlock& block) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = Eigen::Quaterniond(block.q[0], block.q[1], block.q[2], block.q[3])
-                     .normalized()
-                     .toRotationMatrix();
-    T.translation() = Eigen::Vector3d(block.t[0], block.t[1], block.t[2]);
+    T.linear() =
+        Eigen::Quaterniond(block[0], block[1], block[2], block[3]).normalized().toRotationMatrix();
+    T.translation() = Eigen::Vector3d(block[4], block[5], block[6]);
     return T;
   }
 
@@ -291,18 +298,17 @@ class Adjustment {
       PoseBlock& pose = *poses_.at(photo.id);
       // What is given counts once for the whole component, as one observation of 3 degrees and of
       // a fifth of the depth: enough for what nothing else observes, nothing against what does.
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<AttitudePrior, 3, 4>(
-              new AttitudePrior{Eigen::Quaterniond(photo.T_world_cam.linear()), 1 / (0.05 * n)}),
-          nullptr, pose.q);
-      const Eigen::Vector3d t = photo.T_world_cam.translation();
-      const double arm = 0.2 * problem_.median_depth_m * n;
-      addPrior(problem, pose.t, {t.x(), t.y(), t.z()}, {arm, arm, arm});
+      const double arm = 0.2 * problem_.median_depth_m;
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, kPose>(new PosePrior{
+                                   Eigen::Quaterniond(photo.T_world_cam.linear()),
+                                   photo.T_world_cam.translation(), 1 / (0.05 * n), 1 / (arm * n)}),
+                               nullptr, pose.data());
       if (!photo.fix) continue;
       auto& bias = biases_[photo.id.uav];
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GnssError, 3, 3, 3>(new GnssError{
-                                   photo.fix->position_m, photo.fix->sigma_m.cwiseInverse()}),
-                               new ceres::HuberLoss(2), pose.t, bias.data());
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<GnssError, 3, kPose, 3>(
+              new GnssError{photo.fix->position_m, photo.fix->sigma_m.cwiseInverse()}),
+          new ceres::HuberLoss(2), pose.data(), bias.data());
     }
     const double h = options_.bias_sigma_horizontal_m, v = options_.bias_sigma_vertical_m;
     for (auto& [uav, bias] : biases_) addPrior(problem, bias.data(), {0, 0, 0}, {h, h, v});
@@ -332,7 +338,7 @@ class Adjustment {
   }
 
   static constexpr double kTangentialSigma = 0.002;
-  static constexpr double kCentreDeviation = 0.25;   ///< between UAVs, of the prior's sigma
+  static constexpr double kCentreDeviation = 0.25;  ///< between UAVs, of the prior's sigma
   static constexpr double kLeastSigmaPx = 0.1;
 
   const MatchGraph& graph_;
