@@ -57,6 +57,10 @@ Scene::Impl::Impl(const SceneOptions& options, const Eigen::AlignedBox2d& area, 
   buildMeshes();
   buildPlants(seed);
   rtcCommitScene(scene_.get());
+  // Embree holds all of oneTBB to the most threads that any of its devices asks for: without a
+  // second one, photos too would be taken by a single thread.
+  unlimited_device_.reset(rtcNewDevice(nullptr));
+  if (!unlimited_device_) throw RunError("Embree does not start on this machine");
 }
 
 bool Scene::Impl::isNear(const Eigen::Vector2d& place) const {

@@ -86,7 +86,8 @@ class Scene::Impl {
   std::vector<std::uint32_t> part_of_;  ///< of each triangle of built_
   std::vector<Mesh> crowns_;
   std::vector<Plant> plants_;
-  DevicePtr device_;
+  DevicePtr device_;            ///< builds, on one thread
+  DevicePtr unlimited_device_;  ///< lifts that limit again
   std::vector<ScenePtr> crown_scenes_;
   ScenePtr scene_;
 };
