@@ -173,6 +173,30 @@ TEST(AdjustJointly, RecoversAWrongCamera) {
   EXPECT_GT(errorsOf(flight, with_held).position_m, 2 * errors.position_m);
 }
 
+/// A sigma of zero holds a value, all three of them the whole calibration, whatever the photos say.
+TEST(AdjustJointly, WhatIsGivenWithoutSigmaStays) {
+  SimulationOptions options;
+  options.true_camera.k1 = -0.03;
+  options.true_camera.cx += 6;
+  options.given_camera.fx = options.given_camera.fy = 1.01 * options.true_camera.fx;
+  const auto camera_of = [&](double focal_sigma) {
+    options.given_camera.focal_sigma = focal_sigma;
+    const Simulation flight = FlightSimulator(options, 7).fly(crossing());
+    const MatchGraph graph = graphOf(flight);
+    return adjustJointly(graph, buildTracks(graph), problemOf(flight, 0.5, 0.5), {}).cameras[1];
+  };
+  const CameraModel held = camera_of(0), focal_free = camera_of(100);
+  for (const CameraModel& camera : {held, focal_free}) {
+    EXPECT_EQ(camera.k1, 0);
+    EXPECT_EQ(camera.k2, 0);
+  }
+  EXPECT_DOUBLE_EQ(held.fx, options.given_camera.fx);
+  EXPECT_DOUBLE_EQ(held.cx, options.given_camera.cx);
+  EXPECT_EQ(held.p1, 0);
+  EXPECT_GT(std::abs(focal_free.fx - options.given_camera.fx), 1);
+  EXPECT_NE(focal_free.cx, options.given_camera.cx);
+}
+
 /// Fixes that disagree by metres: the UAVs stay together, the biases show the difference.
 TEST(AdjustJointly, GnssBiasDoesNotTearUavsApart) {
   auto plans = crossing();

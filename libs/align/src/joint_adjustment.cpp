@@ -200,10 +200,8 @@ class Adjustment {
     for (Lens& lens : lenses_) order_next(lens.data());
     for (auto& [given, lens] : groups_) order_next(lens.data());
     for (auto& [uav, bias] : biases_) order_next(bias.data());
-    if (!options_.refine_cameras)
-      for (Lens& lens : lenses_)
-        if (ceres_problem.HasParameterBlock(lens.data()))
-          ceres_problem.SetParameterBlockConstant(lens.data());
+    for (std::size_t u = 0; u < lenses_.size(); ++u)
+      if (ceres_problem.HasParameterBlock(lenses_[u].data())) hold(u, ceres_problem);
     ceres::Solver::Options solver;
     solver.linear_solver_type = poses_.size() < 100 ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     solver.linear_solver_ordering = ordering;
@@ -335,6 +333,20 @@ class Adjustment {
               {f, 1 / 0.005, 1 / 0.005, 1 / 0.0005, 1 / 0.0005, centre, centre}}),
           nullptr, lenses_[u].data(), group->second.data());
     }
+  }
+
+  /// What is given without a sigma stays as given. Tangential distortion and principal point have
+  /// none of their own: they stay where the whole calibration does.
+  void hold(std::size_t uav, ceres::Problem& problem) {
+    const CameraModel& c = problem_.cameras[uav];
+    std::vector<int> held;
+    if (!(c.focal_sigma > 0)) held.push_back(0);
+    if (!(c.k1_sigma > 0)) held.push_back(1);
+    if (!(c.k2_sigma > 0)) held.push_back(2);
+    if (held.size() == 3 || !options_.refine_cameras)
+      problem.SetParameterBlockConstant(lenses_[uav].data());
+    else if (!held.empty())
+      problem.SetManifold(lenses_[uav].data(), new ceres::SubsetManifold(kLens, held));
   }
 
   static constexpr double kTangentialSigma = 0.002;
