@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "command_line.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -13,6 +12,7 @@
 #include "cf/evaluate/cloud.h"
 #include "cf/evaluate/run.h"
 #include "cf/evaluate/trajectory.h"
+#include "parse_arguments.h"
 
 namespace cf {
 namespace {
@@ -95,12 +95,7 @@ int runEval(int argc, char** argv) {
   run_app->add_option("TRUTHDIR", run.reference, "folder truth of cf-simulate")->required();
   run_app->add_flag("--table", run.table, "print a table for people instead of JSON");
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
-    throw UsageError(std::string(e.what()) + " (see cf-eval --help)");
-  }
+  if (!parseArguments(app, argc, argv)) return 0;
   const std::string figures = trajectory_app->parsed() ? evaluateTrajectories(trajectory)
                               : cloud_app->parsed()    ? evaluateClouds(cloud)
                                                        : evaluateWholeRun(run);

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "cf/base/error.h"
+#include "parse_arguments.h"
 
 namespace cf {
 namespace {
@@ -55,14 +55,7 @@ std::optional<ImportOptions> importArguments(int argc, char** argv) {
   app.add_option("-o,--output", options.out_dir, "folder to write")
       ->required()
       ->type_name("OUTDIR");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    app.exit(help);
-    return std::nullopt;
-  } catch (const CLI::ParseError& e) {
-    throw UsageError(std::string(e.what()) + " (see cf-import --help)");
-  }
+  if (!parseArguments(app, argc, argv)) return std::nullopt;
   if (!sigma.empty()) options.sigma_m = sigmaFrom(sigma);
   return options;
 }

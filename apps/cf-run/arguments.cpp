@@ -4,10 +4,9 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "cf/base/error.h"
+#include "parse_arguments.h"
 
 namespace cf {
 
@@ -28,14 +27,7 @@ std::optional<RunArguments> runArguments(int argc, char** argv) {
       ->allow_extra_args(false)
       ->type_name("section.key=value");
   app.add_flag("-w,--overwrite", arguments.request.overwrite, "replace an earlier result");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    app.exit(help);
-    return std::nullopt;
-  } catch (const CLI::ParseError& e) {
-    throw UsageError(std::string(e.what()) + " (see cf-run --help)");
-  }
+  if (!parseArguments(app, argc, argv)) return std::nullopt;
   arguments.request.version = CF_VERSION;
   arguments.request.outdir =
       outdir.empty() ? std::filesystem::absolute(arguments.config).parent_path() / "results"

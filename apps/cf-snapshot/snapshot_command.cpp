@@ -2,12 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "snapshot_command.h"
 
-#include <CLI/CLI.hpp>
-#include <iostream>
 #include <string>
 
-#include "cf/base/error.h"
 #include "cf/view/render.h"
+#include "parse_arguments.h"
 
 namespace cf {
 
@@ -20,12 +18,7 @@ int snapshotCommand(int argc, char** argv) {
   app.add_option("--size", size, "Width x height [px]")->capture_default_str();
   app.add_option("-o", png, "PNG file to write")->required();
   app.set_version_flag("--version", "cf-snapshot " CF_VERSION);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    throw UsageError(std::string(e.what()) + " (see cf-snapshot --help)");
-  }
+  if (!parseArguments(app, argc, argv)) return 0;
   const View wanted = parseView(view);
   const ImageSize pixels = parseImageSize(size);
   SceneLimits limits;

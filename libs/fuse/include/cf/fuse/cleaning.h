@@ -16,7 +16,7 @@ namespace cf {
 ///   2. of islets: connected sets of fewer than 30 voxels;
 ///   3. of small islands (fewer than 500 voxels) that hang above or below a larger surface which at
 ///      least twice as many depth frames saw in the same vertical column;
-///   4. that an eighth or fewer of the depth frames saw that saw another voxel in the columns
+///   4. seen by an eighth or fewer of the depth frames that saw another voxel in the columns
 ///   around:
 ///      the rest looked there and saw the surface elsewhere.
 /// Ground that only one pair saw stays, since it is wide or joins what others saw; so do poles and
