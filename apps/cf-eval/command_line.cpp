@@ -7,9 +7,11 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cf/base/error.h"
 #include "cf/evaluate/cloud.h"
+#include "cf/evaluate/ground_control.h"
 #include "cf/evaluate/run.h"
 #include "cf/evaluate/trajectory.h"
 #include "parse_arguments.h"
@@ -24,6 +26,7 @@ struct Arguments {
   std::string align;
   std::optional<double> gsd_m;
   bool table = false;
+  std::vector<int> size;
 };
 
 void requireExisting(const Arguments& arguments) {
@@ -31,19 +34,23 @@ void requireExisting(const Arguments& arguments) {
     if (!fs::exists(path)) throw UsageError(path + ": there is no such file or folder");
 }
 
-std::string evaluateTrajectories(const Arguments& arguments) {
+std::optional<AlignmentModel> alignmentNamed(const std::string& name) {
   static const std::map<std::string, std::optional<AlignmentModel>> kModels = {
       {"none", std::nullopt},
       {"se3", AlignmentModel::kSe3},
       {"sim3", AlignmentModel::kSim3},
       {"yaw4", AlignmentModel::kYaw4}};
+  return kModels.at(name);
+}
+
+std::string evaluateTrajectories(const Arguments& arguments) {
   requireExisting(arguments);
   const bool folder = fs::is_directory(arguments.estimate);
   if (folder != fs::is_directory(arguments.reference))
     throw UsageError("trajectory: give two folders, OUTDIR REFDIR, or two files, EST.tum REF.tum");
   const PosePairs pairs = folder ? pairByName(arguments.estimate, arguments.reference)
                                  : pairByTime(arguments.estimate, arguments.reference);
-  return toJson(evaluateTrajectory(pairs, kModels.at(arguments.align)), arguments.align);
+  return toJson(evaluateTrajectory(pairs, alignmentNamed(arguments.align)), arguments.align);
 }
 
 std::string evaluateClouds(const Arguments& arguments) {
@@ -58,6 +65,14 @@ std::string evaluateWholeRun(const Arguments& arguments) {
   return arguments.table ? runTable(json) : json;
 }
 
+std::string evaluateGroundPoints(const Arguments& arguments) {
+  requireExisting(arguments);
+  GroundControlOptions options;
+  options.align = alignmentNamed(arguments.align);
+  if (!arguments.size.empty()) options.size = PhotoSize{arguments.size[0], arguments.size[1]};
+  return evaluateGroundControl(arguments.estimate, arguments.reference, options);
+}
+
 }  // namespace
 
 int runEval(int argc, char** argv) {
@@ -65,7 +80,7 @@ int runEval(int argc, char** argv) {
   app.set_version_flag("--version", CF_VERSION);
   app.require_subcommand(1);
 
-  Arguments trajectory{{}, {}, "se3", {}, false};
+  Arguments trajectory{{}, {}, "se3", {}, false, {}};
   auto* trajectory_app = app.add_subcommand(
       "trajectory", "Compare camera poses, joined by photo name (folders) or time (files)");
   trajectory_app->add_option("EST", trajectory.estimate, "output folder of a run, or a TUM file")
@@ -77,7 +92,7 @@ int runEval(int argc, char** argv) {
   trajectory_app->add_option("--align", trajectory.align, "se3 by default")
       ->check(CLI::IsMember({"none", "se3", "sim3", "yaw4"}));
 
-  Arguments cloud{{}, {}, "none", {}, false};
+  Arguments cloud{{}, {}, "none", {}, false, {}};
   auto* cloud_app = app.add_subcommand(
       "cloud", "Compare point clouds where the reference has a point within 0.5 m horizontally");
   cloud_app->add_option("EST", cloud.estimate, "output folder of a run, or a PLY file")->required();
@@ -95,9 +110,28 @@ int runEval(int argc, char** argv) {
   run_app->add_option("TRUTHDIR", run.reference, "folder truth of cf-simulate")->required();
   run_app->add_flag("--table", run.table, "print a table for people instead of JSON");
 
+  Arguments gcp{{}, {}, "none", {}, false, {}};
+  auto* gcp_app = app.add_subcommand(
+      "gcp",
+      "Ground points triangulated from their marks in photos, against each other and a survey");
+  gcp_app->add_option("OUTDIR", gcp.estimate, "output folder of the run")->required();
+  gcp_app
+      ->add_option("GCP_LIST", gcp.reference,
+                   "gcp_list.txt: the CRS, then lines x y z px py image [name]")
+      ->required();
+  gcp_app->add_option("--align", gcp.align, "of the points onto the surveyed ones; none by default")
+      ->check(CLI::IsMember({"none", "se3", "sim3", "yaw4"}));
+  gcp_app
+      ->add_option("--size", gcp.size,
+                   "WxH of the photos that the list was made with, where not the run's")
+      ->delimiter('x')
+      ->expected(2)
+      ->check(CLI::PositiveNumber);
+
   if (!parseArguments(app, argc, argv)) return 0;
   const std::string figures = trajectory_app->parsed() ? evaluateTrajectories(trajectory)
                               : cloud_app->parsed()    ? evaluateClouds(cloud)
+                              : gcp_app->parsed()      ? evaluateGroundPoints(gcp)
                                                        : evaluateWholeRun(run);
   std::printf("%s\n", figures.c_str());
   return 0;

@@ -69,6 +69,8 @@ TEST(CfEval, ErrorsAreOneLineWithTheRightStatus) {
   expectOneLine(run("cloud " + bad.string() + " " + bad.string()), 1, "cf_eval_bad.tum");
   expectOneLine(run("run /nonexistent /nonexistent --table"), 2, "/nonexistent");
   expectOneLine(run("run / /"), 1, "images.tsv");
+  expectOneLine(run("gcp / " + bad.string() + " --size 40x"), 2, "size");
+  expectOneLine(run("gcp / " + bad.string()), 2, "marks no point");
   EXPECT_EQ(run("--help").status, 0);
   EXPECT_EQ(run("--version").status, 0);
 }

@@ -34,8 +34,13 @@ class RealFlight : public ::testing::Test {
   }
   /// cf-eval WHAT OUTDIR reference/
   Json evaluate(const std::string& what, const std::string& arguments) {
+    return evaluateWith(what, data_ / "reference", arguments);
+  }
+  /// cf-eval WHAT OUTDIR REFERENCE
+  Json evaluateWith(const std::string& what, const std::filesystem::path& reference,
+                    const std::string& arguments) {
     const auto r = support::runCommand(binDir() + "/cf-eval " + what + " '" + outdir().string() +
-                                       "' '" + (data_ / "reference").string() + "' " + arguments);
+                                       "' '" + reference.string() + "' " + arguments);
     EXPECT_EQ(r.status, 0) << r.output;
     const Json json = Json::parse(r.output, nullptr, false);
     EXPECT_FALSE(json.is_discarded()) << r.output;

@@ -42,7 +42,16 @@ TEST_F(Sheffield, MapAgreesWithTheReference) {
 
   const Json path = evaluate("trajectory", "--align se3");
   EXPECT_EQ(path["matched"], 170);
-  EXPECT_LT(path["rmse_m"], 0.45);
+  EXPECT_LT(path["rmse_m"], 0.4);
+
+  // Five ground points, each marked in photos of two UAVs or more.
+  const Json points =
+      evaluateWith("gcp", CF_SOURCE_DIR "/tests/real/sheffield_points.txt", "--align se3");
+  EXPECT_EQ(points["triangulated"], 5);
+  EXPECT_EQ(points["across_uavs"], 5);
+  EXPECT_LT(points["rms_px"], 0.5);
+  EXPECT_LT(points["max_px"], 1.5);
+  EXPECT_LT(points["difference_m"]["horizontal_rms"], 1.0);
 
   const Json cloud = evaluate("cloud", "--align icp");
   EXPECT_GE(cloud["plane"]["share_within"]["1m"], 0.75);

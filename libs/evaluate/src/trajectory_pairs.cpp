@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <set>
 
 #include "cf/base/error.h"
 #include "cf/base/time.h"
 #include "cf/evaluate/trajectory.h"
 #include "cf/formats/csv.h"
 #include "cf/formats/tum.h"
+#include "estimated_poses.h"
 #include "world_origin.h"
 
 namespace cf {
@@ -20,61 +20,23 @@ namespace fs = std::filesystem;
 
 constexpr TimeNs kSameTime = kNsPerSecond / 100;
 
-struct EstimatedPose {
-  std::string uav;
-  TimeNs time = 0;
-  Eigen::Isometry3d T_world_cam;
+/// An estimated pose is joined with one reference photo at most.
+struct Candidate {
+  EstimatedPose pose;
   bool used = false;
 };
-/// By photo name.
-using EstimatedPoses = std::multimap<std::string, EstimatedPose>;
-
-/// Rows of the TUM file belong to the posed photos of the csv in order; the time confirms it.
-void addUav(const fs::path& csv, const fs::path& tum, EstimatedPoses& estimated) {
-  const CsvTable table(csv);
-  const std::size_t image = table.column("image"), t = table.column("t"),
-                    status = table.column("status");
-  std::multimap<TimeNs, Eigen::Isometry3d> poses;
-  for (const TimedPose& pose : readTum(tum)) poses.emplace(pose.time, pose.T_world_cam);
-  for (const CsvRow& row : table.rows()) {
-    if (row[status] != "posed") continue;
-    const TimeNs time = timeFromText(row[t]);
-    const auto pose = poses.lower_bound(time);
-    if (pose == poses.end() || pose->first != time)
-      throw RunError(fmt::format("{}: has no row for {} at t = {}, which {} calls posed",
-                                 tum.string(), row[image], row[t], csv.string()));
-    estimated.emplace(row[image], EstimatedPose{csv.stem().string(), time, pose->second});
-    poses.erase(pose);
-  }
-  if (!poses.empty())
-    throw RunError(fmt::format("{}: {} rows belong to no posed photo of {}", tum.string(),
-                               poses.size(), csv.string()));
-}
-
-EstimatedPoses readEstimate(const fs::path& out_dir) {
-  const fs::path images = out_dir / "images";
-  std::set<fs::path> tables;
-  if (fs::is_directory(images))
-    for (const auto& entry : fs::directory_iterator(images))
-      if (entry.path().extension() == ".csv") tables.insert(entry.path());
-  if (tables.empty())
-    throw RunError(images.string() + ": has no <uav>.csv; give the output folder of a run");
-  EstimatedPoses estimated;
-  for (const fs::path& csv : tables)
-    addUav(csv, out_dir / "trajectories" / (csv.stem().string() + ".tum"), estimated);
-  return estimated;
-}
+using Candidates = std::multimap<std::string, Candidate>;
 
 /// The estimate of a reference photo, if there is one and no doubt about it.
-EstimatedPose* find(EstimatedPoses& estimated, const fs::path& photo, TimeNs time) {
+Candidate* find(Candidates& estimated, const fs::path& photo, TimeNs time) {
   const auto [first, last] = estimated.equal_range(photo.filename().string());
   const std::string uav = photo.parent_path().filename().string();
-  std::vector<EstimatedPose*> candidates, same_uav, same_time;
+  std::vector<Candidate*> candidates, same_uav, same_time;
   for (auto it = first; it != last; ++it) {
     if (it->second.used) continue;
     candidates.push_back(&it->second);
-    if (it->second.uav == uav) same_uav.push_back(&it->second);
-    if (std::abs(it->second.time - time) <= kSameTime) same_time.push_back(&it->second);
+    if (it->second.pose.uav == uav) same_uav.push_back(&it->second);
+    if (std::abs(it->second.pose.time - time) <= kSameTime) same_time.push_back(&it->second);
   }
   for (const auto* choice : {&same_uav, &same_time})
     if (choice->size() == 1) return choice->front();
@@ -84,7 +46,9 @@ EstimatedPose* find(EstimatedPoses& estimated, const fs::path& photo, TimeNs tim
 }  // namespace
 
 PosePairs pairByName(const fs::path& out_dir, const fs::path& ref_dir) {
-  EstimatedPoses estimated = readEstimate(out_dir);
+  Candidates estimated;
+  for (const auto& [name, pose] : readEstimatedPoses(out_dir))
+    estimated.emplace(name, Candidate{pose});
   const Eigen::Isometry3d T_ref_est =
       transformBetweenWorlds(out_dir, ref_dir).value_or(Eigen::Isometry3d::Identity());
   const std::vector<CsvRow> photos = readCsvRows(ref_dir / "images.tsv", '\t');
@@ -96,14 +60,14 @@ PosePairs pairByName(const fs::path& out_dir, const fs::path& ref_dir) {
                     ref_dir.string(), photos.size(), poses.size()));
   PosePairs joined;
   for (std::size_t k = 0; k < photos.size(); ++k) {
-    EstimatedPose* estimate = find(estimated, photos[k][0], poses[k].time);
+    Candidate* estimate = find(estimated, photos[k][0], poses[k].time);
     if (!estimate) {
       ++joined.missing;
       continue;
     }
     estimate->used = true;
     joined.pairs.push_back(
-        {estimate->uav, T_ref_est * estimate->T_world_cam, poses[k].T_world_cam});
+        {estimate->pose.uav, T_ref_est * estimate->pose.T_world_cam, poses[k].T_world_cam});
   }
   joined.unreferenced = static_cast<int>(estimated.size() - joined.pairs.size());
   return joined;

@@ -6,12 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cf/base/error.h"
-#include "cf/geodesy/local_frame.h"
 
 namespace cf {
-namespace {
 
-std::optional<LocalFrame> worldOf(const std::filesystem::path& folder) {
+std::optional<LocalFrame> worldFrameOf(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "world.json";
   if (!std::filesystem::exists(file)) return std::nullopt;
   std::ifstream in(file);
@@ -27,11 +25,9 @@ std::optional<LocalFrame> worldOf(const std::filesystem::path& folder) {
   return LocalFrame(number("lat"), number("lon"), number("h"));
 }
 
-}  // namespace
-
 std::optional<Eigen::Isometry3d> transformBetweenWorlds(const std::filesystem::path& est_dir,
                                                         const std::filesystem::path& ref_dir) {
-  const auto est = worldOf(est_dir), ref = worldOf(ref_dir);
+  const auto est = worldFrameOf(est_dir), ref = worldFrameOf(ref_dir);
   if (!est || !ref) return std::nullopt;
   return ref->T_this_other(*est);
 }

@@ -10,8 +10,8 @@
 #include <cmath>
 #include <memory>
 
+#include "cf/base/text.h"
 #include "gps_tags.h"
-#include "text.h"
 
 namespace cf {
 namespace {

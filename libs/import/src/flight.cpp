@@ -10,12 +10,12 @@
 #include <numeric>
 
 #include "cf/base/error.h"
+#include "cf/base/text.h"
 #include "cf/import/focal.h"
 #include "cf/import/strips.h"
 #include "cf/import/timing.h"
 #include "cf/rawlog/rawlog_reader.h"
 #include "photo_files.h"
-#include "text.h"
 
 namespace cf {
 namespace {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "cf/base/text.h"
 #include "text.h"
 
 namespace cf {

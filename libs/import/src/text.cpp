@@ -3,16 +3,10 @@
 #include "text.h"
 
 #include <optional>
-#include <sstream>
+
+#include "cf/base/text.h"
 
 namespace cf {
-
-std::vector<std::string> wordsOf(const std::string& text) {
-  std::vector<std::string> words;
-  std::istringstream in(text);
-  for (std::string word; in >> word;) words.push_back(word);
-  return words;
-}
 
 std::vector<double> numbersIn(const std::string& text) {
   std::string plain = text;

@@ -5,12 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "cf/base/text.h"
-
 namespace cf {
 
-/// Words between white space.
-std::vector<std::string> wordsOf(const std::string& text);
 /// All numbers in a text such as "(46) (50) (33.3855)".
 std::vector<double> numbersIn(const std::string& text);
 

@@ -4,11 +4,15 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace cf {
 
 /// Without the white space at both ends.
 std::string trimmed(const std::string& text);
+
+/// Words between white space.
+std::vector<std::string> wordsOf(const std::string& text);
 
 /// A finite number ("+1.5", "-3e2") that is the whole text; whatever the locale.
 std::optional<double> numberFrom(const std::string& text);

@@ -26,8 +26,7 @@ struct GeoFile {
   std::vector<GeoEntry> entries;
 };
 
-/// Reads a geo.txt. First line the CRS: "EPSG:4326" (heights of unknown datum), "EPSG:4979"
-/// (ellipsoidal), a UTM code "EPSG:32617", or "WGS84 UTM 17N". Then lines
+/// Reads a geo.txt. First line the CRS, as crsFromText() of libs/geodesy knows it. Then lines
 /// "name x y z [yaw pitch roll] [sigma_h sigma_v]", x being longitude or easting, y latitude or
 /// northing; attitude as in GimbalAttitude. Empty lines and lines from # on are skipped.
 /// Throws UsageError naming file and line.
