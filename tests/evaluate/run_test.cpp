@@ -84,11 +84,17 @@ TEST(EvaluateRun, ScaleOverTime) {
   EXPECT_EQ(a["history"].size(), 7u);
   EXPECT_NEAR(a["history"][0][1].get<double>(), 5, 1e-4);
   EXPECT_EQ(a["photos_to_converge"], 2);
-  EXPECT_TRUE(a["error_15_pct"].is_null());
+  EXPECT_TRUE(a["after_15"].is_null());  // there are but eight
   EXPECT_NEAR(a["sigma_end_pct"].get<double>(), 1, 1e-6);
   EXPECT_NEAR(at(f, "/scale/consistency/within_3_sigma"), 6.0 / 7, 1e-9);  // 0.35 / 0.07 = 5
-  EXPECT_GT(a["bound_sigma_pct"].get<double>(), 100 * 0.5 / (std::sqrt(8) * 25));
-  EXPECT_LT(a["bound_sigma_pct"].get<double>(), 100 * 0.5 / (std::sqrt(8) * 8));
+  // Fixes of 0.5 m at (0, +-30) and (+-40, 0), the outlier left out.
+  const double bound = 100 * 0.5 / std::sqrt(2 * 900 + 2 * 1600);
+  EXPECT_NEAR(a["end"]["bound_sigma_pct"].get<double>(), bound, 1e-6);
+  EXPECT_NEAR(a["end"]["limit_pct"].get<double>(), 3 * bound, 1e-6);
+  EXPECT_EQ(a["end"]["within_limit"], true);
+  EXPECT_NEAR(f["scale"]["map"]["a"]["error_pct"].get<double>(), 0, 1e-4);
+  EXPECT_TRUE(f["scale"]["within_limits"]["after_15"].is_null());
+  EXPECT_EQ(f["scale"]["within_limits"]["end"], true);
 
   Faults faults;
   faults.scale_estimate = 1.02;
@@ -97,6 +103,28 @@ TEST(EvaluateRun, ScaleOverTime) {
   EXPECT_NEAR(at(wrong, "/scale/error_end_pct/max"), 2, 1e-4);
   EXPECT_TRUE(wrong["scale"]["segments"]["b"]["0"]["photos_to_converge"].is_null());
   EXPECT_NEAR(at(wrong, "/scale/consistency/within_1_sigma"), 0, 1e-9);
+  EXPECT_EQ(wrong["scale"]["within_limits"]["end"], true);  // 2 % of 2.1 %
+  faults.scale_estimate = 1.03;
+  EXPECT_EQ(figuresOf(faults)["scale"]["within_limits"]["end"], false);
+}
+
+TEST(EvaluateRun, ScaleAfter15PhotosAndOfTheMap) {
+  Faults faults;
+  faults.photos = 20;
+  faults.scale_estimate = 1.04;
+  faults.map_scale = 1.002;
+  const json f = figuresOf(faults);
+  const json a = f["scale"]["segments"]["a"]["0"];
+  EXPECT_EQ(a["history"].size(), 19u);
+  EXPECT_NEAR(a["after_15"]["error_pct"].get<double>(), 4, 1e-4);
+  // Three of the fixes are as old as the 15th photo.
+  const double bound = 100 * 0.5 / std::sqrt(900 + 900 + 1600 - std::pow(40 / 3.0, 2) * 3);
+  EXPECT_NEAR(a["after_15"]["bound_sigma_pct"].get<double>(), bound, 1e-6);
+  EXPECT_NEAR(a["after_15"]["limit_pct"].get<double>(), 3 * bound, 1e-6);
+  EXPECT_EQ(a["after_15"]["within_limit"], false);
+  EXPECT_EQ(f["scale"]["within_limits"]["after_15"], false);
+  EXPECT_NEAR(f["scale"]["map"]["b"]["error_pct"].get<double>(), 0.2, 1e-4);
+  EXPECT_EQ(f["scale"]["within_limits"]["map"], true);
 }
 
 TEST(EvaluateRun, AMapTooLarge) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -35,10 +36,11 @@ struct Faults {
   double bias_common_m = 0, bias_b_m = 0;  ///< east, of the receivers as estimated
   double relative_turn_deg = 0;
   bool depth_maps = true, photo_lost = false;
+  int photos = 8;  ///< of each UAV, at the same eight places again and again
 };
 
-/// Two UAVs over the plane z = 0, eight photos each, as cf-simulate writes them: truth/, and in
-/// out/ what a run made of it, exact but for the faults.
+/// Two UAVs over the plane z = 0, eight photos each (or more), as cf-simulate writes them: truth/,
+/// and in out/ what a run made of it, exact but for the faults.
 class SimulatedRun {
  public:
   static constexpr double kLocalUnits_m = 7;  ///< metres per VO unit
@@ -119,10 +121,10 @@ class SimulatedRun {
     std::vector<TimedPose> estimate, local;
     std::string images = "image,t,status,segment,keypoints,matches,inliers,reason\n";
     std::string scale = "t,segment,scale,sigma\n";
-    for (int k = 0; k < 8; ++k) {
+    for (int k = 0; k < faults_.photos; ++k) {
       const std::string name = fmt::format("{}_{:04}", uav, k);
       const TimeNs time = 1780308000 * kNsPerSecond + (2 * k + (second ? 1 : 0)) * kNsPerSecond;
-      const Eigen::Isometry3d T = poseOf(second, k);
+      const Eigen::Isometry3d T = poseOf(second, k % 8);
       poses_.push_back({time, T});
       images_ += fmt::format("{}/{}.jpg\t{}\n", uav, name, timeText(time));
       writeDepth(uav, name, T);
@@ -145,6 +147,7 @@ class SimulatedRun {
     writeTum(out() / "odometry" / (uav + ".tum"), local);
     write(out() / "images" / (uav + ".csv"), images);
     write(out() / "scale" / (uav + ".csv"), scale);
+    writeFixes(uav);
     write(truth() / "cameras" / (uav + ".ini"), cameraText("camera", camera_.fx));
     write(out() / "cameras" / (uav + ".ini"), cameraText("camera", camera_.fx * faults_.focal) +
                                                   cameraText("before", camera_.fx * 1.03));
@@ -155,6 +158,20 @@ class SimulatedRun {
     report_ += fmt::format(
         "{}\"{}\": {{\"gnss_sigma_m\": [1, {}, 1], \"gnss_bias_m\": [{}, 0, 2]}}", comma, uav,
         kSigma_m, bias + faults_.bias_common_m + (second ? faults_.bias_b_m : 0));
+  }
+
+  /// Four fixes and an outlier, the last of them with the last photo.
+  void writeFixes(const std::string& uav) {
+    const TimeNs begin = 1780308000 * kNsPerSecond + (uav == "b" ? kNsPerSecond : 0);
+    const TimeNs last = begin + 2 * (faults_.photos - 1) * kNsPerSecond;
+    std::string text = "t,e,n,u,true_e,true_n,true_u,outlier\n";
+    const std::array<std::array<int, 3>, 5> fixes = {
+        {{0, 30, 0}, {0, -30, 0}, {900, 900, 1}, {40, 0, 0}, {-40, 0, 0}}};
+    for (std::size_t i = 0; i < fixes.size(); ++i)
+      text += fmt::format("{},0,0,0,{},{},50,{}\n",
+                          timeText(i + 1 == fixes.size() ? last : begin + TimeNs(i)), fixes[i][0],
+                          fixes[i][1], fixes[i][2]);
+    write(truth() / "gnss" / (uav + ".csv"), text);
   }
 
   void writeDepth(const std::string& uav, const std::string& name, const Eigen::Isometry3d& T) {

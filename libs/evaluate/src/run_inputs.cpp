@@ -117,6 +117,19 @@ std::vector<ScaleEstimate> readScale(const fs::path& file) {
   return rows;
 }
 
+std::vector<TrueFix> readFixes(const fs::path& file) {
+  std::vector<TrueFix> fixes;
+  if (!fs::exists(file)) return fixes;
+  const CsvTable table(file);
+  const std::size_t t = table.column("t"), e = table.column("true_e"), n = table.column("true_n"),
+                    u = table.column("true_u"), outlier = table.column("outlier");
+  for (const CsvRow& row : table.rows())
+    if (row[outlier] == "0")
+      fixes.push_back({timeFromText(row[t]),
+                       {numberIn(file, row[e]), numberIn(file, row[n]), numberIn(file, row[u])}});
+  return fixes;
+}
+
 std::optional<CameraModel> readCamera(const fs::path& file, const std::string& section) {
   if (!fs::exists(file)) return std::nullopt;
   try {
@@ -214,6 +227,7 @@ RunInputs readRun(const fs::path& out_dir, const fs::path& truth_dir) {
   bool any = false;
   for (RunUav& uav : run.uavs) {
     uav.camera_true = readCamera(truth_dir / "cameras" / (uav.name + ".ini"), "camera");
+    uav.fixes = readFixes(truth_dir / "gnss" / (uav.name + ".csv"));
     if (gnss.contains(uav.name)) uav.gnss_true = gnssOf(gnss[uav.name], "sigma_m", "bias_m");
     if (!fs::exists(out_dir / "images" / (uav.name + ".csv"))) continue;
     any = true;

@@ -37,12 +37,19 @@ struct GnssFigures {
   Eigen::Vector3d bias_m = Eigen::Vector3d::Zero();
 };
 
+/// Where a receiver's antenna truly was at a fix that is no outlier.
+struct TrueFix {
+  TimeNs time = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+};
+
 struct RunUav {
   std::string name;
   std::vector<RunPhoto> photos;  ///< all of the truth, in its order
   std::optional<CameraModel> camera_true, camera_before, camera_after;
   std::vector<ScaleEstimate> scale;
   std::optional<GnssFigures> gnss_true, gnss_estimated;
+  std::vector<TrueFix> fixes;  ///< in time order; none if the truth does not tell
 };
 
 /// A line of relative_poses.csv whose photos the truth knows.

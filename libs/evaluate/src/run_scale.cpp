@@ -5,7 +5,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <limits>
+#include <map>
+#include <string>
 
 #include "statistics.h"
 
@@ -14,18 +16,40 @@ namespace {
 
 constexpr std::size_t kEarly = 15;    ///< photos
 constexpr double kConverged_pct = 1;  ///< of the true scale
+// What a scale may be off, or 3 of the bound's sigmas where that is more.
+constexpr double kLimitEarly_pct = 1, kLimitEnd_pct = 0.3;
 
 struct Sample {
   double error_pct = 0, normalised = 0;
 };
 
-/// The least relative sigma that fixes of this horizontal sigma allow.
-double boundPercent(const std::vector<Eigen::Vector3d>& positions, double sigma_m) {
+/// Sum of squared horizontal distances of the fixes within a time from their mean [m^2].
+double spreadOfFixes(const RunUav& uav, TimeNs from, TimeNs to) {
+  std::vector<Eigen::Vector2d> used;
+  for (const TrueFix& fix : uav.fixes)
+    if (fix.time >= from && fix.time <= to) used.emplace_back(fix.position_m.head<2>());
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const auto& p : positions) mean += p.head<2>() / static_cast<double>(positions.size());
+  for (const auto& p : used) mean += p / static_cast<double>(used.size());
   double sum = 0;
-  for (const auto& p : positions) sum += (p.head<2>() - mean).squaredNorm();
-  return 100 * sigma_m / std::sqrt(sum);
+  for (const auto& p : used) sum += (p - mean).squaredNorm();
+  return sum;
+}
+
+/// In units of the receiver's horizontal variance; 0 where the truth does not tell.
+double informationOf(const RunUav& uav, TimeNs from, TimeNs to) {
+  if (!uav.gnss_true) return 0;
+  return spreadOfFixes(uav, from, to) / (uav.gnss_true->sigma_m.head<2>().squaredNorm() / 2);
+}
+
+/// An error beside the least sigma that fixes of this information allow, and the limit from it.
+Json againstBound(double error_pct, double information, double limit_pct) {
+  const double bound_pct = information > 0 ? 100 / std::sqrt(information) : std::nan("");
+  const double limit = std::max(limit_pct, 3 * bound_pct);
+  const bool known = std::isfinite(bound_pct);
+  return {{"error_pct", finite(error_pct)},
+          {"bound_sigma_pct", finite(bound_pct)},
+          {"limit_pct", known ? Json(limit) : Json(nullptr)},
+          {"within_limit", known ? Json(std::abs(error_pct) <= limit) : Json(nullptr)}};
 }
 
 /// 1-based number of the first photo from which on the error stays small; null if it does not.
@@ -39,20 +63,17 @@ Json photosToConverge(const std::vector<Sample>& samples) {
 Json segmentFigures(const RunUav& uav, int segment, const std::vector<ScaleEstimate>& rows,
                     std::vector<double>& normalised) {
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
-  std::vector<Eigen::Vector3d> positions;
   std::vector<const RunPhoto*> photos;
   for (const RunPhoto& photo : uav.photos)
     if (photo.segment == segment && photo.local) photos.push_back(&photo);
   std::sort(photos.begin(), photos.end(),
             [](const RunPhoto* a, const RunPhoto* b) { return a->time < b->time; });
   std::vector<Sample> samples;
-  Json history = Json::array();
+  Json history = Json::array(), early = nullptr, end = nullptr;
   std::size_t next = 0;
   for (const ScaleEstimate& row : rows) {
-    for (; next < photos.size() && photos[next]->time <= row.time; ++next) {
-      positions.push_back(photos[next]->truth.translation());
-      pairs.emplace_back(positions.back(), photos[next]->local->translation());
-    }
+    for (; next < photos.size() && photos[next]->time <= row.time; ++next)
+      pairs.emplace_back(photos[next]->truth.translation(), photos[next]->local->translation());
     const double truth = umeyamaScale(pairs);
     if (!(truth > 0)) continue;
     Sample sample;
@@ -61,20 +82,37 @@ Json segmentFigures(const RunUav& uav, int segment, const std::vector<ScaleEstim
     samples.push_back(sample);
     if (std::isfinite(sample.normalised)) normalised.push_back(sample.normalised);
     history.push_back({pairs.size(), sample.error_pct, 100 * row.sigma / truth});
+    const double information = informationOf(uav, photos.front()->time, row.time);
+    if (early.is_null() && pairs.size() >= kEarly)
+      early = againstBound(sample.error_pct, information, kLimitEarly_pct);
+    end = againstBound(sample.error_pct, information, kLimitEnd_pct);
   }
   if (samples.empty()) return nullptr;
-  Json out = {{"photos", photos.size()},
-              {"error_end_pct", samples.back().error_pct},
-              {"error_15_pct",
-               samples.size() < kEarly ? Json(nullptr) : Json(samples[kEarly - 1].error_pct)},
-              {"sigma_end_pct", history.back()[2]},
-              {"bound_sigma_pct", nullptr},
-              {"photos_to_converge", photosToConverge(samples)}};
-  if (uav.gnss_true)
-    out["bound_sigma_pct"] =
-        finite(boundPercent(positions, uav.gnss_true->sigma_m.head<2>().norm() / std::sqrt(2)));
-  out["history"] = std::move(history);
-  return out;
+  return {{"photos", photos.size()},
+          {"after_15", std::move(early)},
+          {"end", std::move(end)},
+          {"sigma_end_pct", history.back()[2]},
+          {"photos_to_converge", photosToConverge(samples)},
+          {"history", std::move(history)}};
+}
+
+/// Scale of the final poses of one UAV; null where it has too few.
+Json mapFigures(const RunUav& uav) {
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
+  for (const RunPhoto& photo : uav.photos)
+    if (photo.estimate)
+      pairs.emplace_back(photo.truth.translation(), photo.estimate->translation());
+  const double truth = umeyamaScale(pairs);
+  if (!(truth > 0)) return nullptr;
+  const auto always = std::numeric_limits<TimeNs>::max();
+  return againstBound(100 * (1 / truth - 1), informationOf(uav, 0, always), kLimitEnd_pct);
+}
+
+/// Whether all of those that have a limit keep it; null where none has.
+void judge(const Json& figures, Json& all_within) {
+  if (!figures.is_object() || figures["within_limit"].is_null()) return;
+  all_within =
+      figures["within_limit"].get<bool>() && (all_within.is_null() || all_within.get<bool>());
 }
 
 }  // namespace
@@ -99,23 +137,24 @@ double umeyamaScale(const std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d
 }
 
 RunSection scaleFigures(const RunInputs& run) {
-  Json per_uav = Json::object();
+  Json segments = Json::object(), map = Json::object();
+  Json within = {{"after_15", nullptr}, {"end", nullptr}, {"map", nullptr}};
   std::vector<double> normalised, ends;
   bool any_row = false, any_local = false;
   for (const RunUav& uav : run.uavs) {
     any_row = any_row || !uav.scale.empty();
     any_local = any_local || std::any_of(uav.photos.begin(), uav.photos.end(),
                                          [](const RunPhoto& p) { return p.local.has_value(); });
-    std::set<int> segments;
-    for (const ScaleEstimate& row : uav.scale) segments.insert(row.segment);
-    for (const int segment : segments) {
-      std::vector<ScaleEstimate> rows;
-      for (const ScaleEstimate& row : uav.scale)
-        if (row.segment == segment) rows.push_back(row);
-      Json figures = segmentFigures(uav, segment, rows, normalised);
+    map[uav.name] = mapFigures(uav);
+    judge(map[uav.name], within["map"]);
+    std::map<int, std::vector<ScaleEstimate>> rows;
+    for (const ScaleEstimate& row : uav.scale) rows[row.segment].push_back(row);
+    for (const auto& [segment, of_segment] : rows) {
+      Json figures = segmentFigures(uav, segment, of_segment, normalised);
       if (figures.is_null()) continue;
-      ends.push_back(std::abs(figures["error_end_pct"].get<double>()));
-      per_uav[uav.name][std::to_string(segment)] = std::move(figures);
+      ends.push_back(std::abs(figures["end"]["error_pct"].get<double>()));
+      for (const char* when : {"after_15", "end"}) judge(figures[when], within[when]);
+      segments[uav.name][std::to_string(segment)] = std::move(figures);
     }
   }
   if (!any_row) return Failure{"no_scale", "the run has no line in scale/<uav>.csv"};
@@ -126,8 +165,10 @@ RunSection scaleFigures(const RunInputs& run) {
   Json out;
   out["error_end_pct"] = {{"median", median(ends)},
                           {"max", *std::max_element(ends.begin(), ends.end())}};
+  out["within_limits"] = std::move(within);
   out["consistency"] = consistencyOf(normalised);
-  out["segments"] = std::move(per_uav);
+  out["map"] = std::move(map);
+  out["segments"] = std::move(segments);
   return out;
 }
 

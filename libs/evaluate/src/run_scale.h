@@ -15,7 +15,7 @@ namespace cf {
 /// It is determined for points on one line too. 0 where the local ones coincide.
 double umeyamaScale(const std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>& pairs);
 
-/// Scale of each segment over time against the truth.
+/// Scale of each segment over time, and of the final poses, against the truth.
 RunSection scaleFigures(const RunInputs& run);
 
 }  // namespace cf

@@ -67,6 +67,26 @@ std::string cell(const Json& value, double factor = 1) {
   return value.is_number() ? fmt::format("{:.4g}", factor * value.get<double>()) : "-";
 }
 
+std::string scaleCell(const Json& figures) {
+  if (!figures.is_object()) return "-";
+  const Json& within = figures["within_limit"];
+  return fmt::format("{} of {}{}", cell(figures["error_pct"]), cell(figures["limit_pct"]),
+                     within.is_boolean() && !within.get<bool>() ? " !" : "");
+}
+
+/// Errors of scale beside their limits.
+std::string scaleLines(const Json& json) {
+  if (!json["scale"].is_object()) return "";
+  std::string out = fmt::format("\n{:<16}{:>22}{:>22}{:>22}\n", "scale, segment",
+                                "after 15 %, limit", "end %, limit", "UAV's map %, limit");
+  for (const auto& [uav, segments] : json["scale"]["segments"].items())
+    for (const auto& [segment, figures] : segments.items())
+      out += fmt::format("{:<16}{:>22}{:>22}{:>22}\n", uav + "/" + segment,
+                         scaleCell(figures["after_15"]), scaleCell(figures["end"]),
+                         scaleCell(json["scale"]["map"][uav]));
+  return out;
+}
+
 std::string uavLines(const Json& json) {
   std::string out =
       fmt::format("\n{:<16}{:>12}{:>12}{:>12}{:>14}{:>14}{:>16}\n", "UAV", "posed", "own se3 m",
@@ -97,7 +117,7 @@ std::string runTable(const std::string& text) {
   for (const Line& line : kCluster)
     out += fmt::format("{:<44}{:>10} {}\n", line.text,
                        cell(valueAt(json, line.pointer), line.factor), line.unit);
-  out += uavLines(json);
+  out += uavLines(json) + scaleLines(json);
   for (const auto& [name, reason] : json["missing"].items())
     out += fmt::format("\nno {}: {}", name, reason.get<std::string>());
   return out;
