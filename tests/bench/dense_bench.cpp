@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
   app.add_option("--every", every, "match every N-th photo");
   app.add_option("--draw", draw, "write pictures whose paths begin with this");
   app.add_option("--megapixels", options.megapixels);
-  app.add_option("--matcher", options.method);
+  app.add_option("--matcher", options.matcher);
   app.add_option("--partners", options.partners);
   app.add_option("--min-confidence", options.min_confidence);
   CLI11_PARSE(app, argc, argv);

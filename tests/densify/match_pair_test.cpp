@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <tuple>
 #include <vector>
 
 #include "cf/densify/densify.h"
@@ -84,16 +85,18 @@ Accuracy accuracyOf(const HouseScene& scene, const DepthFrame& frame, const Pose
 struct Pair {
   double dx, dy, yaw;
 };
-class MatchPair : public testing::TestWithParam<Pair> {};
+class MatchPair : public testing::TestWithParam<std::tuple<Pair, const char*>> {};
 
 TEST_P(MatchPair, measuresGroundAndRoofForAnyBaseline) {
-  const Pair d = GetParam();
+  const auto [d, matcher] = GetParam();
+  DensifyOptions options;
+  options.matcher = matcher;
   const HouseScene scene;
   const PosedCamera a = cameraAt(distortedCamera(), -d.dx / 2, -d.dy / 2, 50, 0.2, 0.03, -0.02);
   const PosedCamera b =
       cameraAt(distortedCamera(), d.dx / 2, d.dy / 2, 50.5, 0.2 + d.yaw, -0.02, 0.03);
   const auto frame =
-      matchPair(viewOf(a, 0), photograph(scene, a), viewOf(b, 1), photograph(scene, b), {});
+      matchPair(viewOf(a, 0), photograph(scene, a), viewOf(b, 1), photograph(scene, b), options);
   ASSERT_TRUE(frame.ok()) << frame.failure().detail;
   EXPECT_EQ(frame->reference.index, 0U);
   EXPECT_EQ(frame->partner.index, 1U);
@@ -111,8 +114,10 @@ TEST_P(MatchPair, measuresGroundAndRoofForAnyBaseline) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Directions, MatchPair,
-                         testing::Values(Pair{14, 0, 0}, Pair{-14, 0, 0.05}, Pair{0, 12, 0},
-                                         Pair{0, -12, 0}, Pair{9, 9, 0}, Pair{-9, 9, 3.1}));
+                         testing::Combine(testing::Values(Pair{14, 0, 0}, Pair{-14, 0, 0.05},
+                                                          Pair{0, 12, 0}, Pair{0, -12, 0},
+                                                          Pair{9, 9, 0}, Pair{-9, 9, 3.1}),
+                                          testing::Values("sgm", "elas")));
 
 TEST(MatchPair, withstandsAnotherExposureAndAReducedPhoto) {
   const HouseScene scene;
@@ -150,19 +155,25 @@ TEST(MatchPair, matchesTheWantedSize) {
   EXPECT_EQ(frame->disparity.size(), frame->colour.size());
 }
 
-TEST(MatchPair, theSameInputGivesTheSameBytes) {
+class EachMatcher : public testing::TestWithParam<const char*> {};
+
+TEST_P(EachMatcher, givesTheSameBytesForTheSameInput) {
+  DensifyOptions options;
+  options.matcher = GetParam();
   const HouseScene scene;
   const PosedCamera a = cameraAt(distortedCamera(), -5, 0, 50);
   const PosedCamera b = cameraAt(distortedCamera(), 5, 2, 50);
   const cv::Mat image_a = photograph(scene, a), image_b = photograph(scene, b);
-  const auto once = matchPair(viewOf(a, 0), image_a, viewOf(b, 1), image_b, {});
-  const auto again = matchPair(viewOf(a, 0), image_a, viewOf(b, 1), image_b, {});
+  const auto once = matchPair(viewOf(a, 0), image_a, viewOf(b, 1), image_b, options);
+  const auto again = matchPair(viewOf(a, 0), image_a, viewOf(b, 1), image_b, options);
   ASSERT_TRUE(once.ok() && again.ok());
   EXPECT_EQ(cv::norm(once->disparity, again->disparity, cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(once->confidence, again->confidence, cv::NORM_INF), 0);
 }
 
-TEST(MatchPair, saysWhyThereIsNoDepth) {
+TEST_P(EachMatcher, saysWhyThereIsNoDepth) {
+  DensifyOptions options;
+  options.matcher = GetParam();
   const HouseScene scene;
   const PosedCamera a = cameraAt(distortedCamera(), -5, 0, 50);
   const PosedCamera b = cameraAt(distortedCamera(), 5, 0, 50);
@@ -171,15 +182,17 @@ TEST(MatchPair, saysWhyThereIsNoDepth) {
   const auto codeOf = [](const Result<DepthFrame>& result) {
     return result.ok() ? std::string("ok") : result.failure().code;
   };
-  EXPECT_EQ(codeOf(matchPair(viewOf(a, 0), image, viewOf(b, 1), blank, {})), "no_match");
-  EXPECT_EQ(codeOf(matchPair(viewOf(a, 0), blank, viewOf(b, 1), blank, {})), "no_match");
+  EXPECT_EQ(codeOf(matchPair(viewOf(a, 0), image, viewOf(b, 1), blank, options)), "no_match");
+  EXPECT_EQ(codeOf(matchPair(viewOf(a, 0), blank, viewOf(b, 1), blank, options)), "no_match");
   DenseView no_depth = viewOf(a, 0);
   no_depth.near_depth_m = no_depth.median_depth_m = no_depth.far_depth_m = 0;
-  EXPECT_EQ(codeOf(matchPair(no_depth, image, viewOf(b, 1), image, {})), "no_depth");
+  EXPECT_EQ(codeOf(matchPair(no_depth, image, viewOf(b, 1), image, options)), "no_depth");
   const PosedCamera far_away = cameraAt(distortedCamera(), 90, 0, 50);
-  EXPECT_EQ(codeOf(matchPair(viewOf(a, 0), image, viewOf(far_away, 1), image, {})),
+  EXPECT_EQ(codeOf(matchPair(viewOf(a, 0), image, viewOf(far_away, 1), image, options)),
             "little_overlap");
 }
+
+INSTANTIATE_TEST_SUITE_P(Matchers, EachMatcher, testing::Values("sgm", "elas"));
 
 }  // namespace
 }  // namespace cf

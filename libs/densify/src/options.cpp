@@ -7,7 +7,7 @@ namespace cf {
 void DensifyOptions::visit(OptionVisitor& visitor) {
   visitor.number("megapixels", megapixels, {0.05, 50},
                  "size of the matched common area of a stereo pair [MP], never above the photos'");
-  visitor.choice("method", method, {"sgm"}, "dense stereo matcher");
+  visitor.choice("matcher", matcher, {"sgm", "elas"}, "dense stereo matcher");
   visitor.integer("partners", partners, {1, 8}, "stereo partners of a photo");
   visitor.number("min_baseline_over_depth", min_baseline_over_depth, {0.001, 2},
                  "shortest baseline of a pair, as a share of the scene's distance");

@@ -7,6 +7,7 @@
 
 #include "cf/densify/stereo_matcher.h"
 #include "disparity_filter.h"
+#include "elas_matcher.h"
 #include "semi_global.h"
 
 namespace cf {
@@ -167,7 +168,8 @@ class SgmMatcher : public StereoMatcher {
 }  // namespace
 
 std::unique_ptr<StereoMatcher> makeStereoMatcher(const DensifyOptions& options) {
-  CV_Assert(options.method == "sgm");
+  if (options.matcher == "elas") return std::make_unique<ElasMatcher>();
+  CV_Assert(options.matcher == "sgm");
   return std::make_unique<SgmMatcher>();
 }
 

@@ -18,7 +18,7 @@ namespace cf {
 /// Section [densify].
 struct DensifyOptions {
   double megapixels = 1.5;
-  std::string method = "sgm";
+  std::string matcher = "sgm";
   int partners = 2;
   double min_baseline_over_depth = 0.05;
   double max_baseline_over_depth = 0.8;

@@ -36,7 +36,7 @@ class StereoMatcher {
   virtual StereoOutput match(const StereoInput& input) const = 0;
 };
 
-/// The matcher named options.method.
+/// The matcher named options.matcher.
 std::unique_ptr<StereoMatcher> makeStereoMatcher(const DensifyOptions& options);
 
 }  // namespace cf
