@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "window_sums.h"
+
+namespace cf {
+
+CF_CLONES void WindowSums::subtract(const std::int32_t* row, std::int32_t* columns, int n) {
+  for (int u = 0; u < n; ++u) columns[u] -= row[u];
+}
+
+CF_CLONES void WindowSums::add(const std::int32_t* row, std::int32_t* columns, int n) {
+  for (int u = 0; u < n; ++u) columns[u] += row[u];
+}
+
+CF_CLONES void WindowSums::sum(const std::int32_t* columns, int width, std::int32_t* out) {
+  static_assert(kSide == 7);
+  for (int u = 0; u < width; ++u) {
+    const std::int32_t* c = columns + u;
+    out[u] = c[0] + c[1] + c[2] + c[3] + c[4] + c[5] + c[6];
+  }
+}
+
+}  // namespace cf
