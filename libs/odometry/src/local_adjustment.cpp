@@ -2,62 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "local_adjustment.h"
 
-#include <ceres/ceres.h>
-#include <ceres/rotation.h>
-
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <set>
 
 #include "cf/geometry/triangulation.h"
+#include "inverse_depth_solver.h"
 
 namespace cf {
 namespace {
 
-/// Pose of a camera as Ceres sees it: T_local_cam.
-struct PoseBlock {
-  double q[4];  ///< w x y z
-  double t[3];
-};
-
-PoseBlock blockOf(const Eigen::Isometry3d& T) {
-  const Eigen::Quaterniond q(T.linear());
-  return {{q.w(), q.x(), q.y(), q.z()},
-          {T.translation().x(), T.translation().y(), T.translation().z()}};
-}
-
-Eigen::Isometry3d poseOf(const PoseBlock& block) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::Quaterniond(block.q[0], block.q[1], block.q[2], block.q[3])
-                   .normalized()
-                   .toRotationMatrix();
-  T.translation() = Eigen::Vector3d(block.t[0], block.t[1], block.t[2]);
-  return T;
-}
-
-/// Residual (3): projection (2) of an anchored inverse depth into another photo minus where it was
-/// seen, on the normalized plane, in units of the threshold. Homogeneous: with lambda -> 0 the
-/// point goes to infinity smoothly.
-struct InverseDepthError {
-  Eigen::Vector2d anchor, seen;
-  double scale;
-
-  template <class T>
-  bool operator()(const T* qi, const T* ti, const T* qj, const T* tj, const T* lambda,
-                  T* residual) const {
-    const T ray[3] = {T(anchor.x()), T(anchor.y()), T(1)};
-    T p[3], d[3], c[3];
-    ceres::QuaternionRotatePoint(qi, ray, p);
-    for (int k = 0; k < 3; ++k) d[k] = p[k] + (ti[k] - tj[k]) * lambda[0];
-    const T inverse[4] = {qj[0], -qj[1], -qj[2], -qj[3]};
-    ceres::QuaternionRotatePoint(inverse, d, c);
-    if (c[2] < T(1e-6)) return false;
-    residual[0] = T(scale) * (c[0] / c[2] - T(seen.x()));
-    residual[1] = T(scale) * (c[1] / c[2] - T(seen.y()));
-    return true;
-  }
-};
+constexpr double kHuber = 0.5;  ///< beyond it a residual counts linearly [threshold]
 
 void removeOutliers(LocalMap& map, const std::vector<int>& landmark_ids, double threshold) {
   for (const int id : landmark_ids) {
@@ -85,83 +40,61 @@ void removeOutliers(LocalMap& map, const std::vector<int>& landmark_ids, double 
 }  // namespace
 
 void adjustLocally(LocalMap& map, const std::vector<PhotoIndex>& window, double threshold) {
-  std::map<PhotoIndex, PoseBlock> poses;
   std::set<int> seen;
   for (const PhotoIndex i : window)
     for (const int id : map.photo(i).landmark)
       if (id >= 0) seen.insert(id);
   const std::vector<int> landmark_ids(seen.begin(), seen.end());
-  std::vector<double> lambdas(landmark_ids.size());
+  std::map<PhotoIndex, int> pose_of;
+  for (const int id : landmark_ids)
+    for (const auto& o : map.landmarks[static_cast<std::size_t>(id)].observations)
+      pose_of.emplace(o.photo, 0);
+  if (pose_of.empty()) return;
 
-  const auto block = [&](PhotoIndex i) -> PoseBlock& {
-    return poses.try_emplace(i, blockOf(map.photo(i).T_local_cam)).first->second;
-  };
-  ceres::Problem problem;
-  ceres::LossFunction* loss = new ceres::HuberLoss(0.5);
-  for (std::size_t k = 0; k < landmark_ids.size(); ++k) {
-    const Landmark& landmark = map.landmarks[static_cast<std::size_t>(landmark_ids[k])];
-    lambdas[k] = landmark.inverse_depth;
-    const LandmarkObservation& anchor = landmark.observations.front();
-    PoseBlock& host = block(anchor.photo);
-    const auto& ray = map.photo(anchor.photo).normalized[static_cast<std::size_t>(anchor.feature)];
-    for (std::size_t o = 1; o < landmark.observations.size(); ++o) {
-      const LandmarkObservation& observation = landmark.observations[o];
-      PoseBlock& target = block(observation.photo);
-      const auto& at =
-          map.photo(observation.photo).normalized[static_cast<std::size_t>(observation.feature)];
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<InverseDepthError, 2, 4, 3, 4, 3, 1>(
-                                   new InverseDepthError{ray, at, 1 / threshold}),
-                               loss, host.q, host.t, target.q, target.t, &lambdas[k]);
-    }
+  std::vector<AdjustedPose> poses;
+  int held = 0;
+  for (auto& [i, pose] : pose_of) {
+    const TrackedPhoto& photo = map.photo(i);
+    pose = static_cast<int>(poses.size());
+    const bool in_window = std::find(window.begin(), window.end(), i) != window.end();
+    poses.push_back({photo.T_local_cam.linear(), photo.T_local_cam.translation(),
+                     photo.final || !in_window, false});
+    held += poses.back().held;
   }
-  if (problem.NumResidualBlocks() == 0) {
-    delete loss;
-    return;
-  }
-  const auto free = [&](PhotoIndex i) {
-    return !map.photo(i).final && std::find(window.begin(), window.end(), i) != window.end();
-  };
-  const auto held =
-      std::count_if(poses.begin(), poses.end(), [&](const auto& p) { return !free(p.first); });
   // A young segment has no two held poses yet: its first photo stays at the origin of the local
   // frame and the first baseline keeps its length.
-  bool hold_first = held == 0, hold_length = held <= 1;
-  for (auto& [i, pose] : poses) {
-    if (!free(i) || hold_first) {
-      problem.SetParameterBlockConstant(pose.q);
-      problem.SetParameterBlockConstant(pose.t);
-      hold_first = false;
-      continue;
-    }
-    problem.SetManifold(pose.q, new ceres::QuaternionManifold());
-    if (hold_length && Eigen::Map<Eigen::Vector3d>(pose.t).norm() > 1e-6)
-      problem.SetManifold(pose.t, new ceres::SphereManifold<3>());
-    hold_length = false;
+  if (held == 0) poses.front().held = true;
+  if (held <= 1) {
+    const auto first_free =
+        std::find_if(poses.begin(), poses.end(), [](const auto& p) { return !p.held; });
+    if (first_free != poses.end()) first_free->length_held = first_free->t.norm() > 1e-6;
   }
-  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (double& lambda : lambdas)
-    if (problem.HasParameterBlock(&lambda)) ordering->AddElementToGroup(&lambda, 0);
-  // Within a group Ceres orders by address, which differs from run to run: a group for each.
-  int group = 1;
-  for (auto& [i, pose] : poses) {
-    ordering->AddElementToGroup(pose.q, group++);
-    ordering->AddElementToGroup(pose.t, group++);
+  std::vector<AdjustedPoint> points;
+  for (const int id : landmark_ids) {
+    const Landmark& landmark = map.landmarks[static_cast<std::size_t>(id)];
+    const auto normalized = [&](const LandmarkObservation& o) {
+      return map.photo(o.photo).normalized[static_cast<std::size_t>(o.feature)];
+    };
+    const LandmarkObservation& anchor = landmark.observations.front();
+    AdjustedPoint& point = points.emplace_back();
+    point.anchor = pose_of.at(anchor.photo);
+    point.anchor_normalized = normalized(anchor);
+    point.inverse_depth = landmark.inverse_depth;
+    for (std::size_t o = 1; o < landmark.observations.size(); ++o)
+      point.sightings.push_back(
+          {pose_of.at(landmark.observations[o].photo), normalized(landmark.observations[o])});
   }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.linear_solver_ordering = ordering;
-  options.max_num_iterations = 12;
-  options.function_tolerance = 1e-5;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  if (!summary.IsSolutionUsable()) return;
+  if (!solveInverseDepths(poses, points, kHuber * threshold)) return;
 
-  for (const auto& [i, pose] : poses)
-    if (free(i)) map.photo(i).T_local_cam = poseOf(pose);
-  for (std::size_t k = 0; k < landmark_ids.size(); ++k)
-    map.landmarks[static_cast<std::size_t>(landmark_ids[k])].inverse_depth = lambdas[k];
+  for (const auto& [i, pose] : pose_of) {
+    const AdjustedPose& adjusted = poses[static_cast<std::size_t>(pose)];
+    if (adjusted.held) continue;
+    map.photo(i).T_local_cam.linear() = adjusted.R;
+    map.photo(i).T_local_cam.translation() = adjusted.t;
+  }
+  for (std::size_t k = 0; k < points.size(); ++k)
+    map.landmarks[static_cast<std::size_t>(landmark_ids[k])].inverse_depth =
+        points[k].inverse_depth;
   removeOutliers(map, landmark_ids, threshold);
 }
 

@@ -24,7 +24,7 @@ struct TrackedPhoto {
   int segment = -1;                         ///< -1: not posed yet
   Eigen::Isometry3d T_local_cam = Eigen::Isometry3d::Identity();
   bool final = false;  ///< has left as a keyframe: its pose is fixed
-  int matches = 0, inliers = 0;
+  int matches = 0;
 };
 
 struct LandmarkObservation {

@@ -3,8 +3,10 @@
 #include "cf/odometry/odometry.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -12,14 +14,22 @@
 #include "cf/geometry/pnp.h"
 #include "cf/geometry/triangulation.h"
 #include "cf/geometry/two_view.h"
+#include "guided_search.h"
 #include "local_adjustment.h"
 #include "local_map.h"
+#include "photo_pose.h"
 
 namespace cf {
 namespace {
 
 /// A new landmark needs this angle between its rays; less says nothing about depth.
 constexpr double kMinTriangulationAngle = 0.015;
+/// A guided match may lie so many inlier thresholds from where it is expected: what the pose and
+/// the depth are wrong by, and room for others to be compared with.
+constexpr double kGuidedMargin = 10;
+constexpr int kFewestForScale = 5;  ///< landmarks that give a baseline its length
+/// A resection may leave the photo's corners so uncertain, in inlier thresholds.
+constexpr double kMostStray = 3;
 
 }  // namespace
 
@@ -39,13 +49,18 @@ class Odometry::Tracker {
  public:
   explicit Tracker(const OdometryOptions& options) : options_(options) {}
 
-  std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame) {
-    const PhotoIndex now = add(frame);
-    if (!continueSegment(now)) openSegment(now);
+  std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame, FeatureSet features) {
+    const PhotoIndex now = add(frame, std::move(features));
+    if (continueSegment(now))
+      matchGuided(now);
+    else
+      openSegment(now);
     if (map_.photo(now).segment >= 0) {
       adoptUnposed(now);
       adjustLocally(map_, windowOf(now), threshold_);
     }
+    for (const auto& [i, matches] : matches_)
+      map_.photo(now).matches += static_cast<int>(matches.size());
     forgetOld(now);
     return finalise(now - options_.delay);
   }
@@ -55,72 +70,141 @@ class Odometry::Tracker {
   }
 
   Keyframe newest() const { return keyframeOf(static_cast<PhotoIndex>(map_.photos.size()) - 1); }
+  const FeatureOptions& features() const { return options_.features; }
 
  private:
   using Matches = std::vector<FeatureMatch>;
 
-  PhotoIndex add(const ImageFrame& frame) {
+  PhotoIndex add(const ImageFrame& frame, FeatureSet features) {
     TrackedPhoto photo;
     photo.frame = frame;
     photo.frame.image.release();
-    photo.features = std::make_shared<const FeatureSet>(extractFeatures(frame, options_.features));
+    photo.features = std::make_shared<const FeatureSet>(std::move(features));
     photo.normalized = normalizedPoints(*photo.features, frame.camera);
     photo.landmark.assign(photo.features->size(), -1);
     threshold_ = options_.inlier_px * photo.features->pixel_size / frame.camera.fx;
-
-    const auto now = static_cast<PhotoIndex>(map_.photos.size());
     matches_.clear();
-    for (PhotoIndex i = std::max(0, now - options_.match_window); i < now; ++i) {
-      matches_[i] = matchFeatures(*map_.photo(i).features, *photo.features, {options_.match_ratio});
-      photo.matches += static_cast<int>(matches_[i].size());
-    }
     map_.photos.push_back(std::move(photo));
-    return now;
+    return static_cast<PhotoIndex>(map_.photos.size()) - 1;
   }
 
-  /// Poses `now` in the recent segment that it shares most landmarks with.
+  PhotoIndex firstOfWindow(PhotoIndex now) const {
+    return std::max(0, now - options_.match_window);
+  }
+
+  /// Matches of photo i (a) with `now` (b), sought among all features the first time.
+  const Matches& matchesWith(PhotoIndex i, PhotoIndex now) {
+    const auto found = matches_.find(i);
+    if (found != matches_.end()) return found->second;
+    return matches_[i] = matchFeatures(*map_.photo(i).features, *map_.photo(now).features,
+                                       {options_.match_ratio});
+  }
+
+  /// Poses `now` in the segment of the last photo, if that is to be had, or else of one before.
   bool continueSegment(PhotoIndex now) {
-    std::map<int, int> shared;
-    for (const auto& [i, matches] : matches_)
-      for (const FeatureMatch& m : matches)
-        if (landmarkAt(i, m.a) >= 0) ++shared[map_.photo(i).segment];
-    std::vector<std::pair<int, int>> order;
-    for (const auto& [segment, count] : shared) order.emplace_back(count, segment);
-    std::sort(order.rbegin(), order.rend());
-    for (const auto& [count, segment] : order)
-      if (resectInto(segment, now, matches_, false)) return true;
+    for (PhotoIndex i = now - 1; i >= firstOfWindow(now); --i) {
+      matchesWith(i, now);
+      const int segment = map_.photo(i).segment;
+      if (segment >= 0 && poseIn(segment, now, matches_, false)) return true;
+    }
     return false;
   }
 
-  /// Resection of `photo` against the landmarks that its matches (with other photos) see. `flipped`
-  /// where the photo is the first of its matches.
-  bool resectInto(int segment, PhotoIndex photo, const std::map<PhotoIndex, Matches>& matches,
-                  bool flipped) {
-    std::vector<Eigen::Vector3d> points;
-    std::vector<Eigen::Vector2d> seen;
-    std::vector<int> features;
-    std::set<int> used;
+  /// Poses a photo on the landmarks that its matches with other photos see. `flipped` where the
+  /// photo is the first of its matches.
+  bool poseIn(int segment, PhotoIndex photo, const std::map<PhotoIndex, Matches>& matches,
+              bool flipped) {
     TrackedPhoto& target = map_.photo(photo);
-    // The most recent photo first: its landmarks are seen most alike.
+    const std::vector<LandmarkSight> seen = sightsOf(segment, target, matches, flipped);
+    std::vector<Eigen::Vector3d> points;
+    std::vector<Eigen::Vector2d> pixels;
+    for (const LandmarkSight& s : seen) {
+      points.push_back(s.p_local);
+      pixels.push_back(s.normalized);
+    }
+    const auto resected = resect(points, pixels, {threshold_, options_.min_inliers});
+    double stray = std::numeric_limits<double>::infinity();
+    if (resected) {
+      std::vector<LandmarkSight> inliers;
+      for (std::size_t i = 0; i < seen.size(); ++i)
+        if (resected->inlier[i]) inliers.push_back(seen[i]);
+      const CameraModel& camera = target.frame.camera;
+      const Eigen::Vector2d corner(camera.width / (2 * camera.fx), camera.height / (2 * camera.fy));
+      stray = strayAtCorners(resected->T_world_cam, inliers, corner, threshold_ / 3);
+    }
+    std::optional<Eigen::Isometry3d> T_local_cam;
+    if (stray > threshold_) T_local_cam = poseByTwoView(segment, target, matches, flipped, seen);
+    if (!T_local_cam && stray < kMostStray * threshold_) T_local_cam = resected->T_world_cam;
+    if (!T_local_cam) return false;
+    target.segment = segment;
+    target.T_local_cam = *T_local_cam;
+    return true;
+  }
+
+  /// Where the photo sees landmarks of the segment; of photos that see the same, the most recent
+  /// counts: it sees it most alike.
+  std::vector<LandmarkSight> sightsOf(int segment, const TrackedPhoto& target,
+                                      const std::map<PhotoIndex, Matches>& matches,
+                                      bool flipped) const {
+    std::vector<LandmarkSight> seen;
+    std::set<int> used;
     for (auto it = matches.rbegin(); it != matches.rend(); ++it) {
       if (map_.photo(it->first).segment != segment) continue;
       for (const FeatureMatch& m : it->second) {
         const int other = flipped ? m.b : m.a, own = flipped ? m.a : m.b;
         const int id = landmarkAt(it->first, other);
         if (id < 0 || !used.insert(own).second) continue;
-        points.push_back(map_.position(map_.landmarks[static_cast<std::size_t>(id)]));
-        seen.push_back(target.normalized[static_cast<std::size_t>(own)]);
-        features.push_back(own);
+        seen.push_back({map_.position(map_.landmarks[static_cast<std::size_t>(id)]),
+                        target.normalized[static_cast<std::size_t>(own)]});
       }
     }
-    const auto pose = resect(points, seen, {threshold_, options_.min_inliers});
-    if (!pose) return false;
-    target.segment = segment;
-    target.T_local_cam = pose->T_world_cam;
-    target.inliers = pose->inliers;
+    return seen;
+  }
+
+  /// Where landmarks are too few, or too close together: two-view geometry with the photo of the
+  /// segment that has most matches, and the landmarks for the length of the baseline.
+  std::optional<Eigen::Isometry3d> poseByTwoView(int segment, const TrackedPhoto& target,
+                                                 const std::map<PhotoIndex, Matches>& matches,
+                                                 bool flipped,
+                                                 const std::vector<LandmarkSight>& seen) const {
+    if (static_cast<int>(seen.size()) < kFewestForScale) return std::nullopt;
+    PhotoIndex other = -1;
     for (const auto& [i, all] : matches)
-      if (map_.photo(i).segment == segment) connect(i, photo, all, flipped);
-    return true;
+      if (map_.photo(i).segment == segment && (other < 0 || all.size() >= matches.at(other).size()))
+        other = i;
+    const TrackedPhoto& posed = map_.photo(other);
+    std::vector<Eigen::Vector2d> a, b;
+    for (const FeatureMatch& m : matches.at(other)) {
+      a.push_back(posed.normalized[static_cast<std::size_t>(flipped ? m.b : m.a)]);
+      b.push_back(target.normalized[static_cast<std::size_t>(flipped ? m.a : m.b)]);
+    }
+    const auto view = estimateTwoView(a, b, twoViewOptions());
+    if (!view) return std::nullopt;
+    const auto pose =
+        poseByScaledTwoView(posed.T_local_cam, view->T_a_b, seen, threshold_, kFewestForScale);
+    if (!pose) return std::nullopt;
+    return pose.value();
+  }
+
+  /// Once `now` is posed, its matches with the photos of its segment are sought where they must
+  /// be: more are found, in far less time.
+  void matchGuided(PhotoIndex now) {
+    const TrackedPhoto& target = map_.photo(now);
+    for (PhotoIndex i = firstOfWindow(now); i < now; ++i) {
+      const TrackedPhoto& other = map_.photo(i);
+      if (other.segment != target.segment) continue;
+      matches_[i] = matchFeaturesWithin(*other.features, *target.features,
+                                        searchDiscs(map_, i, now, kGuidedMargin * threshold_),
+                                        target.normalized, {options_.match_ratio});
+      connect(i, now, matches_[i], false);
+    }
+  }
+
+  TwoViewOptions twoViewOptions() const {
+    TwoViewOptions options;
+    options.threshold = threshold_ / 2;
+    options.min_inliers = options_.min_inliers;
+    return options;
   }
 
   /// Two-view geometry with the recent photo of no segment, or alone in one, that fits best.
@@ -128,17 +212,14 @@ class Odometry::Tracker {
     PhotoIndex best = -1;
     double best_score = 0;
     TwoView best_view;
-    for (const auto& [i, matches] : matches_) {
+    for (PhotoIndex i = firstOfWindow(now); i < now; ++i) {
       if (!isAlone(i)) continue;
       std::vector<Eigen::Vector2d> a, b;
-      for (const FeatureMatch& m : matches) {
+      for (const FeatureMatch& m : matchesWith(i, now)) {
         a.push_back(map_.photo(i).normalized[static_cast<std::size_t>(m.a)]);
         b.push_back(map_.photo(now).normalized[static_cast<std::size_t>(m.b)]);
       }
-      TwoViewOptions two_view;
-      two_view.threshold = threshold_ / 2;
-      two_view.min_inliers = options_.min_inliers;
-      const auto view = estimateTwoView(a, b, two_view);
+      const auto view = estimateTwoView(a, b, twoViewOptions());
       if (!view) continue;
       const double score = view->inliers * std::min(0.3, view->median_parallax_rad);
       if (score <= best_score) continue;
@@ -152,8 +233,6 @@ class Odometry::Tracker {
     TrackedPhoto& second = map_.photo(now);
     second.segment = first.segment;
     second.T_local_cam = first.T_local_cam * best_view.T_a_b;
-    first.inliers = std::max(first.inliers, best_view.inliers);
-    second.inliers = best_view.inliers;
     Matches consistent;
     for (std::size_t k = 0; k < matches_[best].size(); ++k)
       if (best_view.inlier[k]) consistent.push_back(matches_[best][k]);
@@ -169,9 +248,12 @@ class Odometry::Tracker {
   /// Photos that came before `now` without a pose (too little parallax then, say) get a second
   /// chance on the landmarks of `now`.
   void adoptUnposed(PhotoIndex now) {
-    for (const auto& [i, matches] : matches_)
-      if (map_.photo(i).segment < 0 && !map_.photo(i).final)
-        resectInto(map_.photo(now).segment, i, {{now, matches}}, true);
+    for (PhotoIndex i = firstOfWindow(now); i < now; ++i) {
+      if (map_.photo(i).segment >= 0 || map_.photo(i).final) continue;
+      const Matches& matches = matchesWith(i, now);
+      if (poseIn(map_.photo(now).segment, i, {{now, matches}}, true))
+        connect(now, i, matches, true);
+    }
   }
 
   /// Extends the landmarks of posed photo `i` to posed photo `j`, or triangulates new ones, from
@@ -248,14 +330,15 @@ class Odometry::Tracker {
     k.attitude = photo.frame.attitude;
     k.height_above_ground_m = photo.frame.height_above_ground_m;
     k.matches = photo.matches;
-    k.inliers = photo.inliers;
     k.inverse_depth.assign(photo.landmark.size(), 0.0f);
     const Eigen::Isometry3d T_cam_local = photo.T_local_cam.inverse();
     for (std::size_t f = 0; f < photo.landmark.size(); ++f) {
       if (photo.landmark[f] < 0) continue;
       const Landmark& landmark = map_.landmarks[static_cast<std::size_t>(photo.landmark[f])];
       const double depth = (T_cam_local * map_.position(landmark)).z();
-      if (depth > 0) k.inverse_depth[f] = static_cast<float>(1 / depth);
+      if (depth <= 0) continue;
+      k.inverse_depth[f] = static_cast<float>(1 / depth);
+      ++k.inliers;
     }
     return k;
   }
@@ -298,7 +381,11 @@ Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
 
 std::vector<std::shared_ptr<const Keyframe>> Odometry::push(const ImageFrame& frame) {
-  return tracker_->push(frame);
+  return push(frame, extractFeatures(frame, tracker_->features()));
+}
+std::vector<std::shared_ptr<const Keyframe>> Odometry::push(const ImageFrame& frame,
+                                                            FeatureSet features) {
+  return tracker_->push(frame, std::move(features));
 }
 std::vector<std::shared_ptr<const Keyframe>> Odometry::flush() { return tracker_->flush(); }
 Keyframe Odometry::newest() const { return tracker_->newest(); }

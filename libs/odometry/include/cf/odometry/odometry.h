@@ -15,13 +15,13 @@ namespace cf {
 
 struct OdometryOptions {
   FeatureOptions features;
-  int match_window = 5;       ///< earlier photos that each photo is matched to
-  double match_ratio = 0.85;  ///< Lowe's ratio
-  double inlier_px = 3.0;     ///< reprojection threshold at the feature size [px]
-  int min_inliers = 20;       ///< below, a photo is not tracked
-  int adjustment_window = 7;  ///< photos in the local bundle adjustment
+  int match_window = 5;          ///< earlier photos that each photo is matched to
+  double match_ratio = 0.85;     ///< Lowe's ratio
+  double inlier_px = 3.0;        ///< reprojection threshold at the feature size [px]
+  int min_inliers = 20;          ///< below, a photo is not tracked
+  int adjustment_window = 7;     ///< photos in the local bundle adjustment
   int keyframe_features = 2000;  ///< that a keyframe carries to the central node
-  int delay = 2;              ///< photos that must follow before a keyframe is final
+  int delay = 2;                 ///< photos that must follow before a keyframe is final
 
   void visit(OptionVisitor& v);
 };
@@ -40,6 +40,9 @@ class Odometry {
   /// `frame.image` must be decoded; frames come in time order. Returns the keyframes that became
   /// final.
   std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame);
+  /// The same with the features that extractFeatures() finds in the photo, which needs no state
+  /// and may be done ahead; `frame.image` may be empty.
+  std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame, FeatureSet features);
   std::vector<std::shared_ptr<const Keyframe>> flush();
 
   /// The photo pushed last, as known now: segment, pose, matches, inliers. Its descriptors are not
