@@ -23,6 +23,7 @@
 #include "cf/rawlog/rawlog_reader.h"
 #include "cf/view/render.h"
 #include "dense_mapping.h"
+#include "gnss_disagreement.h"
 #include "uav_chain.h"
 
 namespace cf {
@@ -222,6 +223,7 @@ class FlightRun {
                         uav.name, uav.gnss.sigma_m.head<2>().norm(), uav.gnss.sigma_m.z()));
       record_.uavs.push_back(std::move(uav));
     }
+    for (const std::string& line : gnssDisagreements(record_.uavs)) warn(line);
     if (alignment.components > 1)
       warn(fmt::format("the photos form {} parts that no match joins: only GNSS ties them together",
                        alignment.components));
