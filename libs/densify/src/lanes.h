@@ -61,12 +61,12 @@ CF_INLINE Cost leastOf(Lanes lanes) {
   return v[0];
 }
 
-CF_INLINE Cost sumOf(Lanes lanes) {
-  HalfLanes v = firstHalf(lanes) + secondHalf(lanes);
-  v += CF_SHUFFLE(v, 4, 5, 6, 7, 0, 1, 2, 3);
-  v += CF_SHUFFLE(v, 2, 3, 0, 1, 6, 7, 4, 5);
-  v += CF_SHUFFLE(v, 1, 0, 3, 2, 5, 4, 7, 6);
-  return v[0];
+/// The least of all lanes, in each of them.
+CF_INLINE Lanes leastEverywhere(Lanes v) {
+  v = lesser(v, CF_SHUFFLE(v, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7));
+  v = lesser(v, CF_SHUFFLE(v, 4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11));
+  v = lesser(v, CF_SHUFFLE(v, 2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13));
+  return lesser(v, CF_SHUFFLE(v, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14));
 }
 
 /// Each lane's lower neighbour; the first gets `first`.

@@ -21,7 +21,6 @@ constexpr Cost kFar = 0x3FFF;     // path cost of a disparity that was not searc
 constexpr int kOutsideCost = 16;  // of a match beyond the partner image: as for unlike pixels
 constexpr std::size_t kMaxCells = 10'000'000;  // of the cost volume held at once: 30 MB
 constexpr int kBandOverlap = 24;               // rows
-constexpr int kPaths = 2;                      // in one sweep: along the row and from the last
 
 /// Where the disparities of one row's pixels lie in its part of the cost volume.
 struct RowLayout {
@@ -45,62 +44,71 @@ struct RowLayout {
   std::size_t slots() const { return static_cast<std::size_t>(total) + 2 * min.size(); }
 };
 
-/// Path costs of one row and their minimum at each pixel.
-struct PathRow {
-  std::vector<Cost> cost;
-  std::vector<Cost> least;
-};
+/// Set bits, in steps that the compiler can do for many numbers at once.
+CF_INLINE std::uint32_t setBits(std::uint32_t x) {
+  x -= (x >> 1) & 0x55555555U;
+  x = (x & 0x33333333U) + ((x >> 2) & 0x33333333U);
+  x = (x + (x >> 4)) & 0x0F0F0F0FU;
+  x += x >> 8;
+  return (x + (x >> 16)) & 0x3FU;
+}
 
-CF_CLONES void matchingCostRow(const std::uint32_t* reference, const std::uint32_t* partner,
+/// `mirrored` is the partner's census from right to left, so that it is read upwards with growing
+/// disparity.
+CF_CLONES void matchingCostRow(const std::uint32_t* reference, const std::uint32_t* mirrored,
                                int partner_width, const RowLayout& layout, int width,
                                std::uint8_t* cost) {
   for (int u = 0; u < width; ++u) {
     const auto k = static_cast<std::size_t>(u);
-    const int n = layout.count[k], x0 = u - layout.min[k];
+    const int n = layout.count[k], first = partner_width - 1 - (u - layout.min[k]);
     std::uint8_t* c = cost + layout.start[k];
     const std::uint32_t bits = reference[u];
-    if (x0 < partner_width && x0 - n + 1 >= 0) {
-      const std::uint32_t* p = partner + x0;
-      for (int d = 0; d < n; ++d) {
-        c[d] = static_cast<std::uint8_t>(__builtin_popcount(bits ^ p[-d]));
+    if (first >= 0 && first + n <= partner_width) {
+      const std::uint32_t* p = mirrored + first;
+      for (int d = 0; d < n; d += kLanes) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+          c[d + lane] = static_cast<std::uint8_t>(setBits(bits ^ p[d + lane]));
+        }
       }
     } else {
       for (int d = 0; d < n; ++d) {
-        const int x = x0 - d;
-        c[d] = static_cast<std::uint8_t>(
-            x >= 0 && x < partner_width ? __builtin_popcount(bits ^ partner[x]) : kOutsideCost);
+        const int x = first + d;
+        c[d] = static_cast<std::uint8_t>(x >= 0 && x < partner_width ? setBits(bits ^ mirrored[x])
+                                                                     : kOutsideCost);
       }
     }
   }
 }
 
-/// One step of one path: `before` holds the costs of the pixel before at this pixel's disparities.
-/// Without one (`before` null) the path starts here.
-template <bool kAdd>
-CF_INLINE Cost pathStep(const std::uint8_t* cost, const Cost* before, Cost least_before, int n,
-                        Cost small, Cost large, Cost* out, Cost* sum) {
+/// One step of a path. `before` holds the costs of the pixel before less their minimum, at this
+/// pixel's disparities and one beyond at both ends; null where the path starts. `large` is P2.
+CF_INLINE Lanes pathStep(Lanes cost, Lanes centre, Lanes below, Lanes above, Cost small,
+                         Cost large) {
+  return cost + lesser(lesser(centre, lesser(below, above) + small), Lanes{} + large);
+}
+
+/// The step for any number of disparities: adds the path's costs to `sum` (or sets it) and leaves
+/// them less their minimum in `out`.
+template <bool kSet>
+CF_INLINE void pathStep(const std::uint8_t* cost, const Cost* before, int n, Cost small, Cost large,
+                        Cost* out, Cost* sum) {
   Lanes least = Lanes{} + kFar;
-  const Lanes jump = Lanes{} + static_cast<Cost>(least_before + large);
   for (int d = 0; d < n; d += kLanes) {
     Lanes value = __builtin_convertvector(load<ByteLanes>(cost + d), Lanes);
     if (before) {
-      const Lanes beside = lesser(load<Lanes>(before + d - 1), load<Lanes>(before + d + 1)) + small;
-      value += lesser(lesser(load<Lanes>(before + d), beside), jump) - least_before;
+      value = pathStep(value, load<Lanes>(before + d), load<Lanes>(before + d - 1),
+                       load<Lanes>(before + d + 1), small, large);
     }
-    std::memcpy(out + d, &value, sizeof value);
     least = lesser(least, value);
-    const Lanes total = kAdd ? load<Lanes>(sum + d) + value : value;
+    std::memcpy(out + d, &value, sizeof value);
+    const Lanes total = kSet ? value : load<Lanes>(sum + d) + value;
     std::memcpy(sum + d, &total, sizeof total);
   }
-  return leastOf(least);
-}
-
-/// The same step where all disparities fit one vector.
-CF_INLINE Lanes pathStep(Lanes cost, Lanes centre, Lanes below, Lanes above, Cost least_before,
-                         Cost small, Cost large) {
-  const Lanes beside = lesser(below, above) + small;
-  const Lanes jump = Lanes{} + static_cast<Cost>(least_before + large);
-  return cost + lesser(lesser(centre, beside), jump) - least_before;
+  least = leastEverywhere(least);
+  for (int d = 0; d < n; d += kLanes) {
+    const Lanes value = load<Lanes>(out + d) - least;
+    std::memcpy(out + d, &value, sizeof value);
+  }
 }
 
 /// `from`'s path costs at the disparities [min, min + n) and one more at both ends.
@@ -115,106 +123,151 @@ CF_INLINE const Cost* aligned(const Cost* from, int from_min, int from_n, int mi
   return scratch + 1;
 }
 
-struct Sweep {
-  const cv::Mat& grey;
-  const SemiGlobalPenalties& penalties;
-  int direction;  // +1: left to right and top to bottom, -1: the other way
-  PathRow now[kPaths], last[kPaths];
-  std::vector<Cost> scratch;
-};
+/// Two of the four paths: along the rows and down the columns, or both the other way.
+class Sweep {
+ public:
+  Sweep(const cv::Mat& grey, const SemiGlobalPenalties& penalties, int direction, int max_count,
+        std::size_t max_slots)
+      : grey_(grey),
+        penalties_(penalties),
+        direction_(direction),
+        now_(max_slots),
+        last_(max_slots),
+        scratch_(static_cast<std::size_t>(max_count) + 2),
+        along_{scratch_, scratch_},
+        large_along_(static_cast<std::size_t>(grey.cols)),
+        large_down_(large_along_) {}
 
-/// Adds the two path costs of row v to `sum`. `last_layout` is null in the sweep's first row.
-CF_CLONES void sweepRow(Sweep& sweep, int v, const RowLayout& layout, const RowLayout* last_layout,
-                        const std::uint8_t* cost, Cost* sum) {
-  const int width = static_cast<int>(layout.min.size());
-  const int step = sweep.direction;
-  const auto small = static_cast<Cost>(sweep.penalties.small);
-  const uchar* grey = sweep.grey.ptr<uchar>(v);
-  const uchar* grey_last = last_layout ? sweep.grey.ptr<uchar>(v - step) : grey;
-  // Path costs of the pixel before along the row, kept in a register where they fit one: they
-  // would come back from memory late.
-  Lanes along{};
-  int along_min = 0;
-  bool has_along = false;
-  for (int i = 0; i < width; ++i) {
-    const int u = step > 0 ? i : width - 1 - i;
-    const auto k = static_cast<std::size_t>(u);
-    const int n = layout.count[k], min = layout.min[k];
-    const bool had_along = has_along && along_min == min;
-    has_along = false;
-    if (n == 0) continue;
-    const std::uint8_t* c = cost + layout.start[k];
-    Cost* s = sum + layout.start[k];
-    // Path 0 comes along the row, path 1 from the last row.
-    for (int path = 0; path < kPaths; ++path) {
-      PathRow& row = sweep.now[path];
-      const PathRow& from_row = path == 0 ? row : sweep.last[path];
-      const RowLayout* from_layout = path == 0 ? &layout : last_layout;
-      const int from = path == 0 ? u - step : u;
-      const auto q = static_cast<std::size_t>(from);
-      Cost* out = row.cost.data() + layout.slot(u);
-      out[-1] = out[n] = kFar;
-      const bool sets = step > 0 && path == 0;  // the first of all paths sets the sum
-      if (!from_layout || from < 0 || from >= width || from_layout->count[q] == 0) {
-        row.least[k] = sets ? pathStep<false>(c, nullptr, 0, n, small, 0, out, s)
-                            : pathStep<true>(c, nullptr, 0, n, small, 0, out, s);
-        continue;
-      }
-      const int change = std::abs(grey[u] - (path == 0 ? grey[from] : grey_last[from]));
-      const auto large =
-          static_cast<Cost>(std::max(sweep.penalties.large_floor, sweep.penalties.large - change));
-      const Cost least = from_row.least[q];
-      const bool in_register = path == 0 && had_along;
-      const Cost* before =
-          in_register ? nullptr
-                      : aligned(from_row.cost.data() + from_layout->slot(from), from_layout->min[q],
-                                from_layout->count[q], min, n, sweep.scratch.data());
-      if (n != kLanes) {
-        row.least[k] = sets ? pathStep<false>(c, before, least, n, small, large, out, s)
-                            : pathStep<true>(c, before, least, n, small, large, out, s);
-        continue;
-      }
-      const Lanes matching = __builtin_convertvector(load<ByteLanes>(c), Lanes);
-      const Lanes value = in_register
-                              ? pathStep(matching, along, fromBelow(along, kFar),
-                                         fromAbove(along, kFar), least, small, large)
-                              : pathStep(matching, load<Lanes>(before), load<Lanes>(before - 1),
-                                         load<Lanes>(before + 1), least, small, large);
-      std::memcpy(out, &value, sizeof value);
-      row.least[k] = leastOf(value);
-      const Lanes total = sets ? value : load<Lanes>(s) + value;
-      std::memcpy(s, &total, sizeof total);
-      if (path == 0) {
-        along = value;
-        along_min = min;
-        has_along = true;
-      }
+  /// Adds the two path costs of row v to `sum`; the first of all sweeps sets it. `last_layout` is
+  /// null in the sweep's first row.
+  void row(int v, const RowLayout& layout, const RowLayout* last_layout, const std::uint8_t* cost,
+           Cost* sum) {
+    setLarge(v, last_layout != nullptr);
+    if (direction_ > 0) {
+      steps<1>(layout, last_layout, cost, sum);
+    } else {
+      steps<-1>(layout, last_layout, cost, sum);
+    }
+    std::swap(now_, last_);
+  }
+
+ private:
+  /// P2 of the steps into each pixel of the row.
+  CF_CLONES void setLarge(int v, bool has_last) {
+    const int width = grey_.cols;
+    const Cost large = static_cast<Cost>(penalties_.large);
+    const Cost floor = static_cast<Cost>(penalties_.large_floor);
+    const uchar* grey = grey_.ptr<uchar>(v);
+    const uchar* before = has_last ? grey_.ptr<uchar>(v - direction_) : grey;
+    for (int u = 0; u < width; ++u) {
+      const auto change = static_cast<Cost>(std::abs(grey[u] - before[u]));
+      large_down_[static_cast<std::size_t>(u)] = std::max(floor, static_cast<Cost>(large - change));
+    }
+    const int from = direction_ > 0 ? 1 : 0, to = direction_ > 0 ? width : width - 1;
+    for (int u = from; u < to; ++u) {
+      const auto change = static_cast<Cost>(std::abs(grey[u] - grey[u - direction_]));
+      large_along_[static_cast<std::size_t>(u)] =
+          std::max(floor, static_cast<Cost>(large - change));
     }
   }
-}
 
-/// Index of the least of the sums.
+  template <int kStep>
+  CF_CLONES void steps(const RowLayout& layout, const RowLayout* last_layout,
+                       const std::uint8_t* cost, Cost* sum) {
+    const int width = static_cast<int>(layout.min.size());
+    const auto small = static_cast<Cost>(penalties_.small);
+    // The path along the row: its costs at the pixel before, in a register while they fit one
+    // (they would come back from memory late), otherwise in along_[0].
+    Lanes along{};
+    bool in_register = false;
+    int along_min = 0, along_count = 0;
+    for (int i = 0; i < width; ++i) {
+      const int u = kStep > 0 ? i : width - 1 - i;
+      const auto k = static_cast<std::size_t>(u);
+      const int n = layout.count[k], min = layout.min[k];
+      if (n == 0) {
+        along_count = 0;
+        continue;
+      }
+      const std::uint8_t* c = cost + layout.start[k];
+      Cost* s = sum + layout.start[k];
+      Cost* out = now_.data() + layout.slot(u);
+      out[-1] = out[n] = kFar;
+      const bool has_last = last_layout && last_layout->count[k] > 0;
+      const Cost* down = has_last
+                             ? aligned(last_.data() + last_layout->slot(u), last_layout->min[k],
+                                       last_layout->count[k], min, n, scratch_.data())
+                             : nullptr;
+      const Cost large_along = large_along_[k], large_down = large_down_[k];
+      if (n == kLanes && in_register && along_count == n && along_min == min) {
+        const Lanes matching = __builtin_convertvector(load<ByteLanes>(c), Lanes);
+        const Lanes value = pathStep(matching, along, fromBelow(along, kFar),
+                                     fromAbove(along, kFar), small, large_along);
+        along = value - leastEverywhere(value);
+        Lanes value_down = matching;
+        if (down) {
+          value_down = pathStep(matching, load<Lanes>(down), load<Lanes>(down - 1),
+                                load<Lanes>(down + 1), small, large_down);
+        }
+        const Lanes left = value_down - leastEverywhere(value_down);
+        std::memcpy(out, &left, sizeof left);
+        const Lanes total = kStep > 0 ? value + value_down : load<Lanes>(s) + value + value_down;
+        std::memcpy(s, &total, sizeof total);
+        continue;
+      }
+      if (in_register) std::memcpy(along_[0].data() + 1, &along, sizeof along);
+      const Cost* before = nullptr;
+      if (along_count > 0) {
+        along_[0][0] = along_[0][static_cast<std::size_t>(along_count) + 1] = kFar;
+        before =
+            aligned(along_[0].data() + 1, along_min, along_count, min, n, along_scratch_.data());
+      }
+      pathStep<(kStep > 0)>(c, before, n, small, large_along, along_[1].data() + 1, s);
+      std::swap(along_[0], along_[1]);
+      pathStep<false>(c, down, n, small, large_down, out, s);
+      along_min = min;
+      along_count = n;
+      in_register = n == kLanes;
+      if (in_register) along = load<Lanes>(along_[0].data() + 1);
+    }
+  }
+
+  const cv::Mat& grey_;
+  const SemiGlobalPenalties& penalties_;
+  const int direction_;           // +1: left to right and top to bottom, -1: the other way
+  std::vector<Cost> now_, last_;  // path costs down the columns, of this row and the last
+  std::vector<Cost> scratch_;
+  std::vector<Cost> along_[2];  // of the pixel before and of this one
+  std::vector<Cost> along_scratch_{scratch_};
+  std::vector<Cost> large_along_, large_down_;
+};
+
+constexpr Lanes kOrder = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+constexpr Cost kMaxSum = INT16_MAX / kLanes - 1;  // so that a sum and a lane fit one number
+
+/// Index of the least of the sums; of several, the first.
 CF_INLINE int winnerOf(const Cost* sum, int n) {
-  Lanes least = load<Lanes>(sum);
-  for (int d = kLanes; d < n; d += kLanes) least = lesser(least, load<Lanes>(sum + d));
-  const Cost value = leastOf(least);
-  // Of several, the first.
-  const Lanes order = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-  for (int d = 0;; d += kLanes) {
-    const Cost at = leastOf(load<Lanes>(sum + d) == Lanes{} + value ? order : Lanes{} + kLanes);
-    if (at < kLanes) return d + at;
+  int winner = 0;
+  Cost least = INT16_MAX;
+  for (int d = 0; d < n; d += kLanes) {
+    const Lanes bounded = lesser(load<Lanes>(sum + d), Lanes{} + kMaxSum);
+    const Cost best = leastOf(bounded * kLanes + kOrder);
+    if (best / kLanes >= least) continue;
+    least = static_cast<Cost>(best / kLanes);
+    winner = d + best % kLanes;
   }
+  return winner;
 }
 
-/// Is every sum but those beside the winner above the limit?
-CF_INLINE bool isUnique(const Cost* sum, int n, int winner, Cost limit) {
-  Lanes rivals{};
-  for (int d = 0; d < n; d += kLanes) rivals -= load<Lanes>(sum + d) <= Lanes{} + limit;
-  int count = sumOf(rivals);
-  for (int d = std::max(0, winner - 1); d <= std::min(n - 1, winner + 1); ++d) {
-    count -= sum[d] <= limit;
+/// The least sum that is not beside the winner.
+CF_INLINE Cost rivalOf(const Cost* sum, int n, int winner) {
+  Lanes least = Lanes{} + kFar;
+  for (int d = 0; d < n; d += kLanes) {
+    const Lanes from = kOrder - static_cast<Cost>(winner - 1 - d);
+    const Lanes beside = (from >= 0) & (from <= 2);
+    least = lesser(least, load<Lanes>(sum + d) | (beside & kFar));
   }
-  return count == 0;
+  return leastOf(least);
 }
 
 /// The partner's least sum and the reference pixel it belongs to, along one pixel's disparities.
@@ -260,7 +313,7 @@ class RowWinner {
       const int mutual = partner_match_[static_cast<std::size_t>(partner_width_ - 1 - x)];
       if (std::abs(mutual - u) > 1) continue;
       if (d == 0 || d == n - 1) continue;  // the minimum may lie beyond
-      if (!isUnique(s, n, d, static_cast<Cost>(s[d] * (100 + uniqueness_) / 100))) continue;
+      if (rivalOf(s, n, d) <= s[d] * (100 + uniqueness_) / 100) continue;
       const int left = s[d - 1] - s[d], right = s[d + 1] - s[d];
       const int part = left + right > 0 ? (16 * (left - right)) / (2 * (left + right)) : 0;
       disparity[u] = static_cast<std::int16_t>(16 * (layout.min[k] + d) + part);
@@ -330,26 +383,20 @@ void matchBand(const cv::Mat& reference, const cv::Mat& census_reference,
   std::uint8_t* const cost = volume.cost.get();
   Cost* const sum = volume.sum.get();
   RowWinner winner(width, census_partner.cols, max_count, penalties.uniqueness_percent);
+  std::vector<std::uint32_t> mirrored(static_cast<std::size_t>(census_partner.cols));
   for (const int direction : {1, -1}) {
-    Sweep sweep{reference, penalties, direction, {}, {}, {}};
-    sweep.scratch.resize(static_cast<std::size_t>(max_count) + 2);
-    for (int path = 0; path < kPaths; ++path) {
-      for (PathRow* row : {&sweep.now[path], &sweep.last[path]}) {
-        row->cost.resize(max_slots);
-        row->least.resize(static_cast<std::size_t>(width));
-      }
-    }
+    Sweep sweep(reference, penalties, direction, max_count, max_slots);
     for (int i = 0; i < band.size(); ++i) {
       const int v = direction > 0 ? band.start + i : band.end - 1 - i;
       const std::size_t at = base[static_cast<std::size_t>(v - band.start)];
       const RowLayout& layout = layoutOf(v);
       if (direction > 0) {
+        const int* partner = census_partner.ptr<int>(v);
+        std::reverse_copy(partner, partner + census_partner.cols, mirrored.begin());
         matchingCostRow(reinterpret_cast<const std::uint32_t*>(census_reference.ptr<int>(v)),
-                        reinterpret_cast<const std::uint32_t*>(census_partner.ptr<int>(v)),
-                        census_partner.cols, layout, width, &cost[at]);
+                        mirrored.data(), census_partner.cols, layout, width, &cost[at]);
       }
-      sweepRow(sweep, v, layout, i > 0 ? &layoutOf(v - direction) : nullptr, &cost[at], &sum[at]);
-      for (int path = 0; path < kPaths; ++path) std::swap(sweep.now[path], sweep.last[path]);
+      sweep.row(v, layout, i > 0 ? &layoutOf(v - direction) : nullptr, &cost[at], &sum[at]);
       if (direction < 0 && v >= keep.start && v < keep.end) {
         winner.run(&sum[at], layout, disparity.ptr<std::int16_t>(v));
       }

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int kFullSearch = 64;        // px, disparities searched everywhere at the coarsest level
 constexpr int kMaxSearch = 64;         // px, disparities searched in a tile of a finer level
-constexpr std::size_t kOutliers = 33;  // one of so many at both ends does not widen a tile's range
+constexpr std::size_t kOutliers = 33;  // one of so many at both ends is not searched for everywhere
 constexpr int kMinSide = 64;           // px, of the coarsest level
 constexpr int kMargin = 3;             // px of the finer level, beyond what the coarser one found
-constexpr int kNear = 3, kWide = 12;   // px of the coarser level around a tile
+constexpr int kNear = 1, kWide = 3;    // tiles around a tile
 constexpr int kSpeckle = 120;          // px, smaller patches are dropped
 constexpr double kMinKnown = 0.02;     // share of the pixels around a tile that must be known
 constexpr int kEverywhereStride = 4;
@@ -30,34 +30,73 @@ struct DisparityRange {
   int min = 0, max = 0;  // px, both included
 };
 
-/// Least and greatest disparity [1/16 px] in an area, and the share of its pixels that have one.
+/// What is known of the disparities [1/16 px] in an area.
 struct AreaRange {
-  int min = 0, max = 0, median = 0;
-  double known = 0;
+  int min = INT16_MAX, max = INT16_MIN;
+  int sum = 0, known = 0, pixels = 0;
+
+  void add(const AreaRange& other) {
+    min = std::min(min, other.min);
+    max = std::max(max, other.max);
+    sum += other.sum;
+    known += other.known;
+    pixels += other.pixels;
+  }
+  bool isKnown(double share) const { return known > 0 && known >= share * pixels; }
 };
 
-AreaRange rangeIn(const cv::Mat& disparity, cv::Rect area, int stride) {
-  AreaRange range;
-  std::vector<std::int16_t> known;
-  for (int v = area.y; v < area.y + area.height; v += stride) {
-    const auto* d = disparity.ptr<std::int16_t>(v);
-    for (int u = area.x; u < area.x + area.width; u += stride) {
-      if (d[u] == kNoDisparity) continue;
-      known.push_back(d[u]);
+/// The ranges of square cells of an image.
+class CellRanges {
+ public:
+  CellRanges(const cv::Mat& disparity, int side)
+      : columns_((disparity.cols + side - 1) / side), rows_((disparity.rows + side - 1) / side) {
+    cells_.resize(static_cast<std::size_t>(columns_ * rows_));
+    for (int v = 0; v < disparity.rows; ++v) {
+      const auto* d = disparity.ptr<std::int16_t>(v);
+      AreaRange* row = &cells_[static_cast<std::size_t>(v / side * columns_)];
+      for (int u = 0; u < disparity.cols; ++u) {
+        AreaRange& cell = row[u / side];
+        ++cell.pixels;
+        if (d[u] == kNoDisparity) continue;
+        cell.min = std::min<int>(cell.min, d[u]);
+        cell.max = std::max<int>(cell.max, d[u]);
+        cell.sum += d[u];
+        ++cell.known;
+      }
     }
   }
+  /// Of the cells up to `radius` away.
+  AreaRange around(int column, int row, int radius) const {
+    AreaRange all;
+    for (int j = std::max(0, row - radius); j <= std::min(rows_ - 1, row + radius); ++j) {
+      for (int i = std::max(0, column - radius); i <= std::min(columns_ - 1, column + radius); ++i)
+        all.add(cells_[static_cast<std::size_t>(j * columns_ + i)]);
+    }
+    return all;
+  }
+
+ private:
+  int columns_, rows_;
+  std::vector<AreaRange> cells_;
+};
+
+/// The disparities [1/16 px] but for the outermost at both ends.
+AreaRange everywhereIn(const cv::Mat& disparity) {
+  std::vector<std::int16_t> known;
+  for (int v = 0; v < disparity.rows; v += kEverywhereStride) {
+    const auto* d = disparity.ptr<std::int16_t>(v);
+    for (int u = 0; u < disparity.cols; u += kEverywhereStride) {
+      if (d[u] != kNoDisparity) known.push_back(d[u]);
+    }
+  }
+  AreaRange range;
   if (known.empty()) return range;
+  std::sort(known.begin(), known.end());
   const std::size_t outer = known.size() / kOutliers;
-  const auto first = known.begin(), last = known.end();
-  const auto low = first + static_cast<std::ptrdiff_t>(outer), high = last - 1 - (low - first);
-  const auto middle = first + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(first, middle, last);
-  range.median = *middle;
-  std::nth_element(first, low, middle + 1);
-  range.min = *low;
-  std::nth_element(middle, high, last);
-  range.max = *high;
-  range.known = static_cast<double>(known.size()) * stride * stride / std::max(1, area.area());
+  range.min = known[outer];
+  range.max = known[known.size() - 1 - outer];
+  range.sum = known[known.size() / 2];
+  range.known = range.pixels = 1;
   return range;
 }
 
@@ -77,31 +116,25 @@ bool matchable(const StereoInput& level, cv::Rect tile, DisparityRange range) {
 TileRanges refinedRanges(const cv::Mat& coarse, const StereoInput& level) {
   const DisparityRange whole{level.min_disparity_px, level.max_disparity_px};
   TileRanges ranges(level.reference.size(), whole.min, whole.max - whole.min + 1);
-  const cv::Rect all(0, 0, coarse.cols, coarse.rows);
-  const AreaRange everywhere = rangeIn(coarse, all, kEverywhereStride);
-  constexpr int kSide = TileRanges::kTile / 2;
+  const AreaRange everywhere = everywhereIn(coarse);
+  const CellRanges cells(coarse, TileRanges::kTile / 2);
   for (int row = 0; row < ranges.rows; ++row) {
     for (int column = 0; column < ranges.columns; ++column) {
-      const cv::Rect tile(column * kSide, row * kSide, kSide, kSide);
-      const auto around = [&](int by) {
-        return rangeIn(coarse,
-                       cv::Rect(tile.x - by, tile.y - by, kSide + 2 * by, kSide + 2 * by) & all,
-                       by / kNear);
-      };
-      AreaRange found = around(kNear);
-      if (found.known < 0.5) found = around(kWide);
-      if (found.known < kMinKnown) found = everywhere;
+      AreaRange found = cells.around(column, row, kNear);
+      if (!found.isKnown(0.5)) found = cells.around(column, row, kWide);
+      if (!found.isKnown(kMinKnown)) found = everywhere;
       DisparityRange range = whole;
       if (found.known > 0) {
         range.min = std::clamp(2 * found.min / 16 - kMargin, whole.min, whole.max);
         range.max = std::clamp(2 * found.max / 16 + kMargin, whole.min, whole.max);
+        if (range.max - range.min >= kMaxSearch) {
+          const int middle = 2 * (found.sum / found.known) / 16;
+          range.min = std::clamp(middle - kMaxSearch / 2, range.min, range.max - kMaxSearch + 1);
+          range.max = range.min + kMaxSearch - 1;
+        }
       }
-      if (range.max - range.min >= kMaxSearch) {
-        range.min = std::clamp(2 * found.median / 16 - kMaxSearch / 2, range.min,
-                               range.max - kMaxSearch + 1);
-        range.max = range.min + kMaxSearch - 1;
-      }
-      const cv::Rect fine_tile(2 * tile.x, 2 * tile.y, TileRanges::kTile, TileRanges::kTile);
+      const cv::Rect fine_tile(column * TileRanges::kTile, row * TileRanges::kTile,
+                               TileRanges::kTile, TileRanges::kTile);
       const std::size_t at = ranges.at(column, row);
       if (!matchable(level, fine_tile, range)) {
         ranges.count_px[at] = 0;
