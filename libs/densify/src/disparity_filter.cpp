@@ -7,11 +7,34 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "lanes.h"
+
 namespace cf {
 namespace {
 
 constexpr int kFillStep = 32;  // 1/16 px of the coarse level
 constexpr float kFillConfidence = 0.5F;
+
+CF_CLONES void smoothRow(const Cost* const* rows, int width, Cost step, Cost* out) {
+  for (int u = 1; u + 1 < width; ++u) {
+    const Cost centre = rows[1][u];
+    Cost sum = 0, weight = 4;  // of differences from the centre
+    for (int j = 0; j < 3; ++j) {
+      for (int i = -1; i <= 1; ++i) {
+        if (j == 1 && i == 0) continue;
+        // Great where there is none, even if it does not fit its type.
+        const auto difference = static_cast<Cost>(rows[j][u + i] - centre);
+        const auto w = static_cast<Cost>(j == 1 || i == 0 ? 2 : 1);
+        const bool near = difference <= step && difference >= -step;
+        sum = static_cast<Cost>(sum + (near ? w * difference : 0));
+        weight = static_cast<Cost>(weight + (near ? w : 0));
+      }
+    }
+    const float mean = static_cast<float>(sum) / static_cast<float>(weight);
+    const int rounded = static_cast<int>(mean + 64.5F) - 64;
+    out[u] = static_cast<std::int16_t>(centre + (centre == kNoDisparity ? 0 : rounded));
+  }
+}
 
 }  // namespace
 
@@ -34,27 +57,11 @@ void clearSpeckles(cv::Mat& disparity, int min_pixels, double max_step_px) {
 
 void smoothDisparity(cv::Mat& disparity, double max_step_px) {
   const cv::Mat in = disparity.clone();
-  const int step = static_cast<int>(16 * max_step_px);
+  const auto step = static_cast<Cost>(16 * max_step_px);
   for (int v = 1; v + 1 < in.rows; ++v) {
     const std::int16_t* rows[] = {in.ptr<std::int16_t>(v - 1), in.ptr<std::int16_t>(v),
                                   in.ptr<std::int16_t>(v + 1)};
-    auto* out = disparity.ptr<std::int16_t>(v);
-    for (int u = 1; u + 1 < in.cols; ++u) {
-      const int centre = rows[1][u];
-      if (centre == kNoDisparity) continue;
-      int sum = 4 * centre, weight = 4;
-      for (int j = 0; j < 3; ++j) {
-        for (int i = -1; i <= 1; ++i) {
-          if (j == 1 && i == 0) continue;
-          const int d = rows[j][u + i];
-          if (std::abs(d - centre) > step) continue;  // kNoDisparity is far from everything
-          const int w = j == 1 || i == 0 ? 2 : 1;
-          sum += w * d;
-          weight += w;
-        }
-      }
-      out[u] = static_cast<std::int16_t>(std::lround(static_cast<double>(sum) / weight));
-    }
+    smoothRow(rows, in.cols, step, disparity.ptr<std::int16_t>(v));
   }
 }
 

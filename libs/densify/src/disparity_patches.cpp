@@ -91,12 +91,13 @@ CF_CLONES void confidenceRow(const std::int32_t* n, const std::int32_t* left,
   constexpr float kNoise = 256 * kTextureSigma * kTextureSigma;
   for (int u = 0; u < width; ++u) {
     const auto count = static_cast<float>(std::max(n[u], 1));
-    const float ma = static_cast<float>(left[u]) / count;
-    const float mb = static_cast<float>(right[u]) / count;
-    const float va = std::max(static_cast<float>(left2[u]) / count - ma * ma, 25.F);
-    const float vb = std::max(static_cast<float>(right2[u]) / count - mb * mb, 25.F);
+    const float share = 1 / count;
+    const float ma = static_cast<float>(left[u]) * share;
+    const float mb = static_cast<float>(right[u]) * share;
+    const float va = std::max(static_cast<float>(left2[u]) * share - ma * ma, 25.F);
+    const float vb = std::max(static_cast<float>(right2[u]) * share - mb * mb, 25.F);
     const float correlation =
-        (static_cast<float>(product[u]) / count - ma * mb) / __builtin_sqrtf(va * vb);
+        (static_cast<float>(product[u]) * share - ma * mb) / __builtin_sqrtf(va * vb);
     const float alike = std::min(1.F, std::max(0.F, (correlation - kCorrelationNone) /
                                                         (kCorrelationFull - kCorrelationNone)));
     const float texture = __builtin_sqrtf(va / (va + kNoise));

@@ -16,6 +16,7 @@ namespace {
 constexpr double kNearMargin = 0.35;  // of the median depth: trees and roofs without features
 constexpr double kFarMargin = 0.15;   // of the median depth
 constexpr double kMinMatched = 0.01;  // share of the view's pixels
+constexpr int kStrip = 128;           // rows resampled at once: their table stays in the cache
 
 /// The photo reduced by an integer factor where the view samples it far below its resolution, so
 /// that the remap does not alias.
@@ -34,11 +35,17 @@ struct Rectified {
 
 Rectified rectify(const cv::Mat& image, const CameraModel& camera, const RectifiedView& view) {
   const cv::Mat source = reduced(image, camera, view.f);
-  const RemapTable table = remapTable(view, camera.scaled(source.cols, source.rows));
+  const CameraModel source_camera = camera.scaled(source.cols, source.rows);
   Rectified out;
-  cv::remap(source, out.image, table.fixed_xy, table.fraction, cv::INTER_LINEAR,
-            cv::BORDER_REPLICATE);
-  out.inside = table.inside;
+  out.image.create(view.height, view.width, source.type());
+  out.inside.create(view.height, view.width, CV_8U);
+  for (int v = 0; v < view.height; v += kStrip) {
+    const cv::Range strip(v, std::min(v + kStrip, view.height));
+    const RemapTable table = remapTable(view, source_camera, strip);
+    cv::remap(source, out.image.rowRange(strip), table.fixed_xy, table.fraction, cv::INTER_LINEAR,
+              cv::BORDER_REPLICATE);
+    table.inside.copyTo(out.inside.rowRange(strip));
+  }
   return out;
 }
 

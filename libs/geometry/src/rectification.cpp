@@ -144,8 +144,12 @@ Result<RectifiedPair> rectifyPair(const PosedCamera& reference, const PosedCamer
   return pair;
 }
 
-RemapTable remapTable(const RectifiedView& view, const CameraModel& image_camera) {
-  const int columns = view.width / kGridStep + 2, rows = view.height / kGridStep + 2;
+RemapTable remapTable(const RectifiedView& view, const CameraModel& image_camera, cv::Range strip) {
+  if (strip == cv::Range::all()) strip = {0, view.height};
+  // The grid has the same nodes whatever the strip.
+  const int first_row = strip.start / kGridStep;
+  const int columns = view.width / kGridStep + 2;
+  const int rows = (strip.end - 1) / kGridStep - first_row + 2;
   std::vector<float> grid(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows) * 2);
   const Eigen::Matrix3d R_cam_rect = view.R_rect_cam.transpose();
   const float outside = -1e4F;
@@ -153,7 +157,7 @@ RemapTable remapTable(const RectifiedView& view, const CameraModel& image_camera
     for (int i = 0; i < columns; ++i) {
       const Eigen::Vector3d ray =
           R_cam_rect * Eigen::Vector3d((i * kGridStep - view.cx) / view.f,
-                                       (j * kGridStep - view.cy) / view.f, 1);
+                                       ((first_row + j) * kGridStep - view.cy) / view.f, 1);
       float* node = &grid[2 * (static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
                                static_cast<std::size_t>(i))];
       node[0] = node[1] = outside;
@@ -166,20 +170,20 @@ RemapTable remapTable(const RectifiedView& view, const CameraModel& image_camera
     }
   }
   RemapTable table;
-  table.fixed_xy.create(view.height, view.width, CV_16SC2);
-  table.fraction.create(view.height, view.width, CV_16UC1);
-  table.inside.create(view.height, view.width, CV_8UC1);
+  table.fixed_xy.create(strip.size(), view.width, CV_16SC2);
+  table.fraction.create(strip.size(), view.width, CV_16UC1);
+  table.inside.create(strip.size(), view.width, CV_8UC1);
   const int max_x = image_camera.width - 1, max_y = image_camera.height - 1;
   constexpr int kBits = cv::INTER_BITS, kOne = cv::INTER_TAB_SIZE;
   std::vector<float> line(static_cast<std::size_t>(columns) * 2);
-  for (int v = 0; v < view.height; ++v) {
-    const float* above = &grid[static_cast<std::size_t>(v / kGridStep) * line.size()];
+  for (int v = strip.start; v < strip.end; ++v) {
+    const float* above = &grid[static_cast<std::size_t>(v / kGridStep - first_row) * line.size()];
     const float* below = above + line.size();
     const float t = static_cast<float>(v % kGridStep) / kGridStep;
     for (std::size_t k = 0; k < line.size(); ++k) line[k] = above[k] + t * (below[k] - above[k]);
-    auto* xy = table.fixed_xy.ptr<short>(v);
-    auto* fraction = table.fraction.ptr<ushort>(v);
-    auto* inside = table.inside.ptr<uchar>(v);
+    auto* xy = table.fixed_xy.ptr<short>(v - strip.start);
+    auto* fraction = table.fraction.ptr<ushort>(v - strip.start);
+    auto* inside = table.inside.ptr<uchar>(v - strip.start);
     for (int u = 0; u < view.width; ++u) {
       const float* a = &line[2 * static_cast<std::size_t>(u / kGridStep)];
       const float s = static_cast<float>(u % kGridStep) / kGridStep;

@@ -62,8 +62,10 @@ struct RemapTable {
   cv::Mat inside;
 };
 
+/// Of the rows in `strip` alone, if given: a whole table is several times as large as the image.
 /// `image_camera` is the camera of the image to be sampled: camera.scaled(image.cols, image.rows).
 /// Exact on a grid of 8 px and bilinear between, then rounded to cv::remap's 1/32 px.
-RemapTable remapTable(const RectifiedView& view, const CameraModel& image_camera);
+RemapTable remapTable(const RectifiedView& view, const CameraModel& image_camera,
+                      cv::Range strip = cv::Range::all());
 
 }  // namespace cf
