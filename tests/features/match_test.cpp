@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -111,6 +112,89 @@ TEST(MatchFeatures, EqualsBruteForceWithTies) {
     const FeatureSet sa = setOf(a), sb = setOf(b);
     EXPECT_EQ(pairsOf(matchFeatures(sa, sb, {0.9})), reference(sa, sb, 0.9)) << seed;
   }
+}
+
+/// From the definition: brute force among the pairs that the discs allow.
+std::vector<std::pair<int, int>> referenceWithin(const FeatureSet& a, const FeatureSet& b,
+                                                 const std::vector<SearchDisc>& disc,
+                                                 const std::vector<Eigen::Vector2d>& position,
+                                                 double ratio) {
+  const auto allowed = [&](std::size_t i, std::size_t j) {
+    return disc[i].radius >= 0 && (position[j] - disc[i].centre).norm() <= disc[i].radius;
+  };
+  std::vector<std::pair<int, int>> matches;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::vector<std::pair<double, std::size_t>> candidates;
+    for (std::size_t j = 0; j < b.size(); ++j)
+      if (allowed(i, j))
+        candidates.emplace_back(distance(a, static_cast<int>(i), b, static_cast<int>(j)), j);
+    std::sort(candidates.begin(), candidates.end());
+    if (candidates.size() < 2 || candidates[0].first >= ratio * candidates[1].first) continue;
+    const std::size_t j = candidates[0].second;
+    bool mutual = true;
+    for (std::size_t other = 0; other < a.size(); ++other)
+      mutual = mutual &&
+               (other == i || !allowed(other, j) ||
+                distance(a, static_cast<int>(other), b, static_cast<int>(j)) > candidates[0].first);
+    if (mutual) matches.emplace_back(i, j);
+  }
+  return matches;
+}
+
+TEST(MatchFeaturesWithin, EqualsBruteForceOverTheAllowedPairs) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> place(-3, 5), size(-0.5, 6);
+    std::vector<Descriptor> a, b;
+    std::vector<SearchDisc> disc;
+    std::vector<Eigen::Vector2d> position;
+    for (int i = 0; i < 150; ++i) {
+      a.push_back(randomDescriptor(random));
+      // Discs beyond the features' area, empty ones and none at all among them.
+      disc.push_back({{2 * place(random), place(random)}, size(random)});
+    }
+    for (int i = 0; i < 90; ++i) b.push_back(disturbed(a[static_cast<std::size_t>(i)], i, random));
+    for (int i = 0; i < 20; ++i) b.push_back(disturbed(b[static_cast<std::size_t>(i)], 5, random));
+    for (std::size_t j = 0; j < b.size(); ++j) position.emplace_back(place(random), place(random));
+    const FeatureSet sa = setOf(a), sb = setOf(b);
+    const auto expected = referenceWithin(sa, sb, disc, position, 0.85);
+    EXPECT_EQ(pairsOf(matchFeaturesWithin(sa, sb, disc, position, {0.85})), expected) << seed;
+    EXPECT_GT(expected.size(), 5u);
+  }
+}
+
+/// What the ratio test refuses everywhere else, a place decides.
+TEST(MatchFeaturesWithin, TellsRepeatedFeaturesApart) {
+  std::mt19937 random(7);
+  const Descriptor plant = randomDescriptor(random);
+  std::vector<Descriptor> row_a, row_b;
+  std::vector<SearchDisc> disc;
+  std::vector<Eigen::Vector2d> position;
+  for (int i = 0; i < 20; ++i) {
+    row_a.push_back(disturbed(plant, 6, random));
+    row_b.push_back(disturbed(plant, 6, random));
+    row_b.push_back(randomDescriptor(random));
+    position.emplace_back(10 * i, 0);
+    position.emplace_back(10 * i + 1, 0);
+    disc.push_back({{10.0 * i, 0}, 4});
+  }
+  const FeatureSet a = setOf(row_a), b = setOf(row_b);
+  EXPECT_LT(matchFeatures(a, b).size(), 3u);
+  const auto matches = matchFeaturesWithin(a, b, disc, position);
+  ASSERT_EQ(matches.size(), 20u);
+  for (const FeatureMatch& m : matches) EXPECT_EQ(m.b, 2 * m.a);
+}
+
+TEST(MatchFeaturesWithin, CopesWithFeaturesInOnePlaceAndNone) {
+  std::mt19937 random(8);
+  const FeatureSet a = setOf({randomDescriptor(random)});
+  const FeatureSet b = setOf({randomDescriptor(random), randomDescriptor(random)});
+  const std::vector<Eigen::Vector2d> one_place(2, Eigen::Vector2d(3, 4));
+  EXPECT_EQ(matchFeaturesWithin(a, b, {{{3, 4}, 0}}, one_place, {0.99}).size(),
+            referenceWithin(a, b, {{{3, 4}, 0}}, one_place, 0.99).size());
+  EXPECT_TRUE(matchFeaturesWithin(a, b, {{{3, 5}, 0.5}}, one_place).empty());
+  EXPECT_TRUE(matchFeaturesWithin({}, b, {}, one_place).empty());
+  EXPECT_TRUE(matchFeaturesWithin(a, {}, {{{3, 4}, 1}}, {}).empty());
 }
 
 TEST(MatchFeatures, ExtremeDescriptorsDoNotOverflow) {

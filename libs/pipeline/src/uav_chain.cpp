@@ -3,6 +3,7 @@
 #include "uav_chain.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_pipeline.h>
 
 #include <chrono>
 #include <limits>
@@ -22,6 +23,16 @@ void keepPace(TimeNs since_first, double rate, double started_s) {
   const double wait = due - wallSeconds();
   if (wait > 0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
 }
+
+/// Photos of one UAV decoded and searched for features ahead of odometry, each with its pixels.
+constexpr std::size_t kPhotosAhead = 4;
+
+/// A photo ready for odometry.
+struct Prepared {
+  ImageFrame frame;  ///< without pixels
+  FeatureSet features;
+  std::string damage;  ///< why it cannot be used; empty: it can
+};
 
 class Chain {
  public:
@@ -52,29 +63,45 @@ class Chain {
       georeferencer_.addFix(fixes[next_fix_]);
   }
 
-  void push(const ImageFrame& photo) {
-    PhotoRecord& record = result_.record.photos[photo.id.index];
-    result_.arrival_s[photo.id.index] = wallSeconds();
-    ImageFrame frame = photo;
-    {
+  void note(const ImageFrame& photo) { result_.arrival_s[photo.id.index] = wallSeconds(); }
+
+  /// Needs nothing of the photos before: may run for several at a time.
+  std::shared_ptr<Prepared> prepare(const ImageFrame& photo) const {
+    const auto decoded = [&] {
       const StageTimes::Scope scope(times_, "decode");
-      auto image = decodePhoto(photo, options_.odometry.features.megapixels);
-      if (!image) {
-        record.status = PhotoStatus::kDamaged;
-        record.reason = image.failure().detail;
-        logWarning(fmt::format("{}: photo {} is skipped: {}", result_.record.name, photo.name,
-                               record.reason));
-        return;
-      }
-      frame.image = image.value();
+      return decodePhoto(photo, options_.odometry.features.megapixels);
+    }();
+    auto out = std::make_shared<Prepared>();
+    out->frame = photo;
+    if (!decoded) {
+      out->damage = decoded.failure().detail;
+      return out;
+    }
+    const StageTimes::Scope scope(times_, "odometry");
+    out->frame.image = decoded.value();
+    out->features = extractFeatures(out->frame, options_.odometry.features);
+    out->frame.image.release();
+    return out;
+  }
+
+  void push(Prepared& photo) {
+    const ImageFrame& frame = photo.frame;
+    addFixesUntil(frame.time);
+    if (!photo.damage.empty()) {
+      PhotoRecord& record = result_.record.photos[frame.id.index];
+      record.status = PhotoStatus::kDamaged;
+      record.reason = photo.damage;
+      logWarning(fmt::format("{}: photo {} is skipped: {}", result_.record.name, frame.name,
+                             photo.damage));
+      return;
     }
     std::vector<std::shared_ptr<const Keyframe>> keyframes;
     {
       const StageTimes::Scope scope(times_, "odometry");
-      keyframes = odometry_.push(frame);
+      keyframes = odometry_.push(frame, std::move(photo.features));
     }
     georeference(keyframes);
-    noteOnline(photo.id.index, odometry_.newest());
+    noteOnline(frame.id.index, odometry_.newest());
   }
 
   ChainResult finish() {
@@ -149,12 +176,29 @@ ChainResult playUav(const UavRecording& recording, const std::string& name, std:
                     TimeNs first_time, StageTimes& times, Progress& progress) {
   Chain chain(recording, name, uav, world, options, times);
   const double started = wallSeconds();
-  for (const ImageFrame& photo : recording.photos) {
-    keepPace(photo.time - first_time, options.playback.rate, started);
-    chain.addFixesUntil(photo.time);
-    chain.push(photo);
-    progress.advance(name);
-  }
+  std::size_t next = 0;
+  tbb::parallel_pipeline(
+      kPhotosAhead,
+      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
+                                          [&](tbb::flow_control& control) -> std::size_t {
+                                            if (next == recording.photos.size()) {
+                                              control.stop();
+                                              return next;
+                                            }
+                                            const ImageFrame& photo = recording.photos[next];
+                                            keepPace(photo.time - first_time, options.playback.rate,
+                                                     started);
+                                            chain.note(photo);
+                                            return next++;
+                                          }) &
+          tbb::make_filter<std::size_t, std::shared_ptr<Prepared>>(
+              tbb::filter_mode::parallel,
+              [&](std::size_t i) { return chain.prepare(recording.photos[i]); }) &
+          tbb::make_filter<std::shared_ptr<Prepared>, void>(
+              tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Prepared>& photo) {
+                chain.push(*photo);
+                progress.advance(name);
+              }));
   return chain.finish();
 }
 
