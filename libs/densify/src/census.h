@@ -6,8 +6,9 @@
 
 namespace cf {
 
-/// Centre-symmetric census of a grey image over 9 x 7 px (CV_32S): one bit for each of the 31 pairs
-/// of pixels opposite each other about the centre.
+/// Centre-symmetric census of a grey image over 5 x 5 px (CV_16U): one bit for each of the 12 pairs
+/// of pixels opposite each other about the centre. Larger windows are less noisy, and spread roofs
+/// and crowns over what is beside them.
 cv::Mat census(const cv::Mat& image);
 
 }  // namespace cf

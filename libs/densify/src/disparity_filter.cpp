@@ -6,12 +6,15 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "lanes.h"
 
 namespace cf {
 namespace {
 
+constexpr int kHidden = 24;    // 1/16 px, by which a nearer match hides another
+constexpr int kBeside = 1;     // px of the partner that a match covers on both sides
 constexpr int kFillStep = 32;  // 1/16 px of the coarse level
 constexpr float kFillConfidence = 0.5F;
 
@@ -36,6 +39,23 @@ CF_CLONES void smoothRow(const Cost* const* rows, int width, Cost step, Cost* ou
   }
 }
 
+/// Fills short gaps of a row or column whose ends agree.
+void fillLine(std::int16_t* line, int n, std::ptrdiff_t stride, int max_gap, int max_step) {
+  int last = -1;  // that is known
+  for (int k = 0; k < n; ++k) {
+    const int d = line[k * stride];
+    if (d == kNoDisparity) continue;
+    const int gap = k - last - 1;
+    if (last >= 0 && gap > 0 && gap <= max_gap) {
+      const int from = line[last * stride];
+      for (int i = last + 1; i < k && std::abs(d - from) <= max_step; ++i) {
+        line[i * stride] = static_cast<std::int16_t>(from + (d - from) * (i - last) / (k - last));
+      }
+    }
+    last = k;
+  }
+}
+
 }  // namespace
 
 void clearOutside(cv::Mat& disparity, const StereoInput& input) {
@@ -48,6 +68,17 @@ void clearOutside(cv::Mat& disparity, const StereoInput& input) {
       const int x = u - static_cast<int>(std::floor(d[u] / 16.0 + 0.5));
       if (!inside[u] || x < 0 || x >= input.partner.cols || !partner[x]) d[u] = kNoDisparity;
     }
+  }
+}
+
+void fillGaps(cv::Mat& disparity, int max_gap_px, double max_step_px) {
+  const int step = static_cast<int>(16 * max_step_px);
+  const auto rows = static_cast<std::ptrdiff_t>(disparity.step1());
+  for (int v = 0; v < disparity.rows; ++v) {
+    fillLine(disparity.ptr<std::int16_t>(v), disparity.cols, 1, max_gap_px, step);
+  }
+  for (int u = 0; u < disparity.cols; ++u) {
+    fillLine(disparity.ptr<std::int16_t>(0) + u, disparity.rows, rows, max_gap_px, step);
   }
 }
 
@@ -65,7 +96,9 @@ void smoothDisparity(cv::Mat& disparity, double max_step_px) {
   }
 }
 
-void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse) {
+void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse, int partner_width) {
+  // The greatest disparity that lands on each pixel of the partner: what hides others.
+  std::vector<std::int16_t> nearest(static_cast<std::size_t>(partner_width));
   // A smooth place of the coarse level: the 3 x 3 neighbours all known and within a step.
   cv::Mat least, greatest;
   const cv::Mat square = cv::Mat::ones(3, 3, CV_8U);
@@ -79,11 +112,23 @@ void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse) {
     const auto* high = greatest.ptr<std::int16_t>(y);
     const auto* from = coarse.disparity.ptr<std::int16_t>(y);
     const auto* from_confidence = coarse.confidence.ptr<uchar>(y);
+    std::fill(nearest.begin(), nearest.end(), kNoDisparity);
+    for (int u = 0; u < fine.disparity.cols; ++u) {
+      if (confidence[u] == 0) continue;
+      const int at = u - ((d[u] + 8) >> 4);
+      for (int k = std::max(0, at - kBeside); k <= std::min(partner_width - 1, at + kBeside); ++k) {
+        auto& there = nearest[static_cast<std::size_t>(k)];
+        there = std::max(there, d[u]);
+      }
+    }
     for (int u = 0; u < fine.disparity.cols; ++u) {
       const int x = std::min(u / 2, coarse.disparity.cols - 1);
       if (confidence[u] != 0 || low[x] == kNoDisparity || high[x] - low[x] > kFillStep) continue;
       const int beside = u % 2 && x + 1 < coarse.disparity.cols ? from[x + 1] : from[x];
-      d[u] = static_cast<std::int16_t>(from[x] + beside);
+      const int filled = from[x] + beside, at = u - ((filled + 8) >> 4);
+      if (at < 0 || at >= partner_width) continue;
+      if (nearest[static_cast<std::size_t>(at)] > filled + kHidden) continue;
+      d[u] = static_cast<std::int16_t>(filled);
       confidence[u] = static_cast<uchar>(kFillConfidence * from_confidence[x]);
       if (confidence[u] == 0) d[u] = kNoDisparity;
     }

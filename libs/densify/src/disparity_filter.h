@@ -16,6 +16,10 @@ void clearOutside(cv::Mat& disparity, const StereoInput& input);
 /// `max_step_px`.
 void clearSpeckles(cv::Mat& disparity, int min_pixels, double max_step_px);
 
+/// Fills gaps of at most `max_gap_px` along rows, then columns, between disparities that differ by
+/// at most `max_step_px`: linear.
+void fillGaps(cv::Mat& disparity, int max_gap_px, double max_step_px);
+
 /// Sub-pixel disparities by one Gauss-Newton step (Lucas and Kanade 1981): the shift of the warped
 /// partner, common to a window about each pixel, that explains what is left of the grey difference
 /// but for its mean. The census cost alone draws disparities to whole pixels.
@@ -25,9 +29,10 @@ void refineDisparity(cv::Mat& disparity, const StereoInput& input);
 /// smooths noise, keeps steps.
 void smoothDisparity(cv::Mat& disparity, double max_step_px);
 
-/// Where `fine` has no disparity, takes that of `coarse`, half its size, if it is smooth there; at
-/// a share of its confidence. For surfaces too rough to match pixel by pixel, as tree crowns.
-void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse);
+/// Where `fine` has no disparity, takes that of `coarse`, half its size, if it is smooth there and
+/// lands where nothing nearer hides it in the partner; at a share of its confidence. For surfaces
+/// too rough to match pixel by pixel, as tree crowns.
+void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse, int partner_width);
 
 /// CV_8UC1, 0..255; 0 where there is no disparity. From how alike the two images are once the
 /// partner is warped onto the reference (zero-mean normalized correlation of a window), how much

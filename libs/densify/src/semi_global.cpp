@@ -17,8 +17,8 @@ namespace {
 
 static_assert(TileRanges::kCountStep == kLanes);
 
-constexpr Cost kFar = 0x3FFF;     // path cost of a disparity that was not searched
-constexpr int kOutsideCost = 16;  // of a match beyond the partner image: as for unlike pixels
+constexpr Cost kFar = 0x3FFF;    // path cost of a disparity that was not searched
+constexpr int kOutsideCost = 6;  // of a match beyond the partner image: as for unlike pixels
 constexpr std::size_t kMaxCells = 10'000'000;  // of the cost volume held at once: 30 MB
 constexpr int kBandOverlap = 24;               // rows
 
@@ -45,36 +45,37 @@ struct RowLayout {
 };
 
 /// Set bits, in steps that the compiler can do for many numbers at once.
-CF_INLINE std::uint32_t setBits(std::uint32_t x) {
-  x -= (x >> 1) & 0x55555555U;
-  x = (x & 0x33333333U) + ((x >> 2) & 0x33333333U);
-  x = (x + (x >> 4)) & 0x0F0F0F0FU;
-  x += x >> 8;
-  return (x + (x >> 16)) & 0x3FU;
+CF_INLINE std::uint16_t setBits(std::uint16_t bits) {
+  auto x = static_cast<std::uint16_t>(bits - ((bits >> 1) & 0x5555));
+  x = static_cast<std::uint16_t>((x & 0x3333) + ((x >> 2) & 0x3333));
+  x = static_cast<std::uint16_t>((x + (x >> 4)) & 0x0F0F);
+  return static_cast<std::uint16_t>((x + (x >> 8)) & 0x1F);
 }
 
 /// `mirrored` is the partner's census from right to left, so that it is read upwards with growing
 /// disparity.
-CF_CLONES void matchingCostRow(const std::uint32_t* reference, const std::uint32_t* mirrored,
+CF_CLONES void matchingCostRow(const std::uint16_t* reference, const std::uint16_t* mirrored,
                                int partner_width, const RowLayout& layout, int width,
                                std::uint8_t* cost) {
   for (int u = 0; u < width; ++u) {
     const auto k = static_cast<std::size_t>(u);
     const int n = layout.count[k], first = partner_width - 1 - (u - layout.min[k]);
     std::uint8_t* c = cost + layout.start[k];
-    const std::uint32_t bits = reference[u];
+    const std::uint16_t bits = reference[u];
     if (first >= 0 && first + n <= partner_width) {
-      const std::uint32_t* p = mirrored + first;
+      const std::uint16_t* p = mirrored + first;
       for (int d = 0; d < n; d += kLanes) {
         for (int lane = 0; lane < kLanes; ++lane) {
-          c[d + lane] = static_cast<std::uint8_t>(setBits(bits ^ p[d + lane]));
+          c[d + lane] =
+              static_cast<std::uint8_t>(setBits(static_cast<std::uint16_t>(bits ^ p[d + lane])));
         }
       }
     } else {
       for (int d = 0; d < n; ++d) {
         const int x = first + d;
-        c[d] = static_cast<std::uint8_t>(x >= 0 && x < partner_width ? setBits(bits ^ mirrored[x])
-                                                                     : kOutsideCost);
+        c[d] = static_cast<std::uint8_t>(
+            x >= 0 && x < partner_width ? setBits(static_cast<std::uint16_t>(bits ^ mirrored[x]))
+                                        : kOutsideCost);
       }
     }
   }
@@ -383,7 +384,7 @@ void matchBand(const cv::Mat& reference, const cv::Mat& census_reference,
   std::uint8_t* const cost = volume.cost.get();
   Cost* const sum = volume.sum.get();
   RowWinner winner(width, census_partner.cols, max_count, penalties.uniqueness_percent);
-  std::vector<std::uint32_t> mirrored(static_cast<std::size_t>(census_partner.cols));
+  std::vector<std::uint16_t> mirrored(static_cast<std::size_t>(census_partner.cols));
   for (const int direction : {1, -1}) {
     Sweep sweep(reference, penalties, direction, max_count, max_slots);
     for (int i = 0; i < band.size(); ++i) {
@@ -391,10 +392,10 @@ void matchBand(const cv::Mat& reference, const cv::Mat& census_reference,
       const std::size_t at = base[static_cast<std::size_t>(v - band.start)];
       const RowLayout& layout = layoutOf(v);
       if (direction > 0) {
-        const int* partner = census_partner.ptr<int>(v);
+        const auto* partner = census_partner.ptr<std::uint16_t>(v);
         std::reverse_copy(partner, partner + census_partner.cols, mirrored.begin());
-        matchingCostRow(reinterpret_cast<const std::uint32_t*>(census_reference.ptr<int>(v)),
-                        mirrored.data(), census_partner.cols, layout, width, &cost[at]);
+        matchingCostRow(census_reference.ptr<std::uint16_t>(v), mirrored.data(),
+                        census_partner.cols, layout, width, &cost[at]);
       }
       sweep.row(v, layout, i > 0 ? &layoutOf(v - direction) : nullptr, &cost[at], &sum[at]);
       if (direction < 0 && v >= keep.start && v < keep.end) {

@@ -30,15 +30,15 @@ struct TileRanges {
 };
 
 struct SemiGlobalPenalties {
-  int small = 7;               ///< P1: of a step of 1 px, in bits of the census cost (0..31)
-  int large = 45;              ///< P2: of a larger step where the grey does not change
-  int large_floor = 18;        ///< P2 across a strong edge of the grey
+  int small = 4;               ///< P1: of a step of 1 px, in bits of the census cost (0..12)
+  int large = 28;              ///< P2: of a larger step where the grey does not change
+  int large_floor = 7;         ///< P2 across a strong edge of the grey
   int uniqueness_percent = 3;  ///< a second minimum must be this much worse
 };
 
 /// Semi-global matching (Hirschmueller 2008) along four paths (rows and columns, both ways; the
 /// diagonals double the time and add no accuracy on real pairs) with a centre-symmetric census cost
-/// over 9 x 7 px. Sub-pixel by the parabola through the minimum; left-right check against the
+/// over 5 x 5 px. Sub-pixel by the parabola through the minimum; left-right check against the
 /// partner's own minimum in the same cost volume. CV_16SC1 as StereoMatcher::match returns it.
 cv::Mat semiGlobalMatch(const cv::Mat& reference, const cv::Mat& partner, const TileRanges& ranges,
                         const SemiGlobalPenalties& penalties = {});

@@ -24,6 +24,8 @@ constexpr double kMinKnown = 0.02;     // share of the pixels around a tile that
 constexpr int kEverywhereStride = 4;
 constexpr int kCoarseSpeckle = 24;  // px of a coarser level
 constexpr double kSpeckleStepPx = 1.5;
+constexpr int kMaxGap = 5;  // px
+constexpr double kMaxGapStepPx = 1;
 constexpr std::size_t kFillLevels = 3;  // the finest and those that fill its holes
 
 struct DisparityRange {
@@ -188,10 +190,13 @@ class SgmMatcher : public StereoMatcher {
       clearSpeckles(disparity, k > 0 ? kCoarseSpeckle : kSpeckle, kSpeckleStepPx);
       coarse = disparity.clone();
       if (k >= kFillLevels) continue;
-      if (k == 0) refineDisparity(disparity, level);
+      if (k == 0) {
+        fillGaps(disparity, kMaxGap, kMaxGapStepPx);
+        refineDisparity(disparity, level);
+      }
       smoothDisparity(disparity, 1);
       StereoOutput here{disparity, confidenceOf(disparity, level)};
-      if (!output.disparity.empty()) fillFromCoarse(here, output);
+      if (!output.disparity.empty()) fillFromCoarse(here, output, level.partner.cols);
       output = here;
     }
     return output;
