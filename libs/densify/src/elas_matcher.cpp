@@ -21,6 +21,8 @@ constexpr double kBeta = 0.02, kGamma = 3, kSigmaPx = 1;
 constexpr int kWithin = 3;  // sigma, about the plane
 constexpr int kSpeckle = 80;
 constexpr double kSpeckleStepPx = 1;
+constexpr int kMaxGap = 5;  // px
+constexpr double kMaxGapStepPx = 1;
 constexpr int kUnmatched = INT16_MIN;
 
 /// What is left of the energy beside the difference of the descriptors, in its units, by the
@@ -124,6 +126,7 @@ StereoOutput ElasMatcher::match(const StereoInput& input) const {
   cv::Mat disparity = elasMatch(input);
   clearOutside(disparity, input);
   clearSpeckles(disparity, kSpeckle, kSpeckleStepPx);
+  fillGaps(disparity, kMaxGap, kMaxGapStepPx);
   refineDisparity(disparity, input);
   smoothDisparity(disparity, 1);
   return {disparity, confidenceOf(disparity, input)};

@@ -13,6 +13,8 @@
 namespace cf {
 namespace {
 
+constexpr int kFixedBits = 16;
+
 /// The image's corners with the disparities of the points nearest by, so that triangles cover it.
 void addCorners(std::vector<SupportPoint>& points, cv::Size size) {
   const std::size_t given = points.size();
@@ -48,6 +50,8 @@ void drawPlane(const SupportPoint& a, const SupportPoint& b, const SupportPoint&
   Eigen::Matrix2d sides;
   sides << b.u - a.u, b.v - a.v, c.u - a.u, c.v - a.v;
   const Eigen::Vector2d slope = sides.inverse() * Eigen::Vector2d(b.d - a.d, c.d - a.d);
+  // In fixed point, rounded by the half.
+  const auto across = static_cast<int>(std::lround(slope.x() * (16 << kFixedBits)));
   const SupportPoint* corners[] = {&a, &b, &c};
   const auto [top, bottom] = std::minmax({a.v, b.v, c.v});
   for (int v = std::max(0, top); v <= std::min(plane.rows - 1, bottom); ++v) {
@@ -64,10 +68,12 @@ void drawPlane(const SupportPoint& a, const SupportPoint& b, const SupportPoint&
       }
     }
     auto* row = plane.ptr<std::int16_t>(v);
+    const double d = a.d - slope.x() * a.u + slope.y() * (v - a.v);
+    const std::int64_t at_zero = std::llround((16 * d + 0.5) * (1 << kFixedBits));
     const int end = std::min(plane.cols - 1, static_cast<int>(std::floor(last)));
     for (int u = std::max(0, static_cast<int>(std::ceil(first))); u <= end; ++u) {
-      const double d = a.d + slope.x() * (u - a.u) + slope.y() * (v - a.v);
-      row[u] = static_cast<std::int16_t>(std::lround(16 * d));
+      row[u] = static_cast<std::int16_t>((at_zero + static_cast<std::int64_t>(across) * u) >>
+                                         kFixedBits);
     }
   }
 }
@@ -78,7 +84,6 @@ ElasPrior::ElasPrior(const std::vector<SupportPoint>& points, cv::Size size)
     : plane(size, CV_16S, cv::Scalar(kNoDisparity)),
       columns(static_cast<std::size_t>((size.width + kCell - 1) / kCell)) {
   const int rows = (size.height + kCell - 1) / kCell, width = static_cast<int>(columns);
-  cells.resize(columns * static_cast<std::size_t>(rows));
   std::vector<SupportPoint> all = points;
   addCorners(all, size);
   all = sorted(std::move(all));
@@ -90,18 +95,25 @@ ElasPrior::ElasPrior(const std::vector<SupportPoint>& points, cv::Size size)
     };
     drawPlane(at(0), at(1), at(2), plane);
   }
-  for (const SupportPoint& p : all) {
-    const int i = p.u / kCell, j = p.v / kCell;
-    for (int y = std::max(0, j - 1); y <= std::min(rows - 1, j + 1); ++y) {
-      for (int x = std::max(0, i - 1); x <= std::min(width - 1, i + 1); ++x) {
-        auto& cell = cells[static_cast<std::size_t>(y * width + x)];
-        for (int d = p.d - 1; d <= p.d + 1; ++d) cell.push_back(d);
+  // By cell, then those of the cells around each.
+  std::vector<std::vector<int>> has(columns * static_cast<std::size_t>(rows));
+  const auto index = [&](int x, int y) { return static_cast<std::size_t>(y * width + x); };
+  for (const SupportPoint& p : all) has[index(p.u / kCell, p.v / kCell)].push_back(p.d);
+  std::vector<int> around;
+  starts.push_back(0);
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < width; ++i) {
+      around.clear();
+      for (int y = std::max(0, j - 1); y <= std::min(rows - 1, j + 1); ++y) {
+        for (int x = std::max(0, i - 1); x <= std::min(width - 1, i + 1); ++x) {
+          const auto& cell = has[index(x, y)];
+          around.insert(around.end(), cell.begin(), cell.end());
+        }
       }
+      std::sort(around.begin(), around.end());
+      values.insert(values.end(), around.begin(), std::unique(around.begin(), around.end()));
+      starts.push_back(values.size());
     }
-  }
-  for (auto& cell : cells) {
-    std::sort(cell.begin(), cell.end());
-    cell.erase(std::unique(cell.begin(), cell.end()), cell.end());
   }
 }
 

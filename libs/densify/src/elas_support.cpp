@@ -9,21 +9,21 @@
 namespace cf {
 namespace {
 
-constexpr int kGrid = 5;              // px
-constexpr int kMinTexture = 96;       // sum of absolute responses of a support descriptor
-constexpr double kUniqueness = 0.85;  // greatest ratio of the best difference to the second best
-constexpr int kAround = 4;            // cells of the grid in which points support each other
-constexpr int kAlike = 4;             // px, of disparities that do
-constexpr int kMinAlike = 8;          // of those around
+constexpr int kGrid = 5;             // px
+constexpr int kMinTexture = 96;      // sum of absolute responses of a support descriptor
+constexpr double kUniqueness = 0.9;  // greatest ratio of the best difference to the second best
+constexpr int kAround = 4;           // cells of the grid in which points support each other
+constexpr int kAlike = 6;            // px, of disparities that do
+constexpr int kMinAlike = 4;         // of those around
 constexpr int kUnknown = INT16_MIN;
 
 struct Best {
   int at = kUnknown;  // index of the least difference
-  int least = std::numeric_limits<int>::max(), second = least;
+  int least = std::numeric_limits<int>::max();
+  int second = least;  // of those not beside it
 };
 
-/// Compares one descriptor to the descriptors [0, n) that follow `to`, in steps of `step`; the
-/// second best is not beside the best.
+/// Compares one descriptor to the n from `to` on.
 CF_CLONES void differences(const std::uint8_t* from, const std::uint8_t* to, int n, int* out) {
   for (int k = 0; k < n; ++k) {
     out[k] = difference<DescriptorRow::kSupport>(from, to + DescriptorRow::kSupport * k);
@@ -36,17 +36,18 @@ CF_CLONES int texture(const std::uint8_t* descriptor) {
   return sum;
 }
 
-Best bestOf(const std::vector<int>& difference, int n) {
+CF_CLONES int leastOf(const int* values, int n) {
+  int least = std::numeric_limits<int>::max();
+  for (int k = 0; k < n; ++k) least = std::min(least, values[k]);
+  return least;
+}
+
+Best bestOf(const int* difference, int n) {
   Best best;
-  const auto end = difference.begin() + n;
-  const auto least = std::min_element(difference.begin(), end);
-  best.least = *least;
-  best.at = static_cast<int>(least - difference.begin());
-  for (int k = 0; k < n; ++k) {
-    if (std::abs(k - best.at) > 1) {
-      best.second = std::min(best.second, difference[static_cast<std::size_t>(k)]);
-    }
-  }
+  best.least = leastOf(difference, n);
+  best.at = static_cast<int>(std::find(difference, difference + n, best.least) - difference);
+  const int before = std::max(0, best.at - 1), after = std::min(n, best.at + 2);
+  best.second = std::min(leastOf(difference, before), leastOf(difference + after, n - after));
   return best;
 }
 
@@ -83,7 +84,7 @@ class SupportSearch {
   Best search(const std::uint8_t* from, const DescriptorRow& in, int first, int last) {
     if (last - first < 2) return {};
     differences(from, descriptor(in, first), last - first + 1, difference_.data());
-    Best best = bestOf(difference_, last - first + 1);
+    Best best = bestOf(difference_.data(), last - first + 1);
     best.at += first;
     return best;
   }
