@@ -26,8 +26,9 @@ namespace {
 constexpr double kMinTriangulationAngle = 0.015;
 /// A guided match may lie so many inlier thresholds from where it is expected: what the pose and
 /// the depth are wrong by, and room for others to be compared with.
-constexpr double kGuidedMargin = 10;
-constexpr int kFewestForScale = 5;  ///< landmarks that give a baseline its length
+constexpr double kGuidedMargin = 6;
+constexpr double kGuidedRatio = 0.75;  ///< the best of a few must be better than the best of all
+constexpr int kFewestForScale = 5;     ///< landmarks that give a baseline its length
 /// A resection may leave the photo's corners so uncertain, in inlier thresholds.
 constexpr double kMostStray = 3;
 
@@ -195,7 +196,7 @@ class Odometry::Tracker {
       if (other.segment != target.segment) continue;
       matches_[i] = matchFeaturesWithin(*other.features, *target.features,
                                         searchDiscs(map_, i, now, kGuidedMargin * threshold_),
-                                        target.normalized, {options_.match_ratio});
+                                        target.normalized, {kGuidedRatio});
       connect(i, now, matches_[i], false);
     }
   }
@@ -343,14 +344,16 @@ class Odometry::Tracker {
     return k;
   }
 
-  /// The features that leave: those seen in most photos first, up to the seam's budget.
+  /// The features that leave, up to the seam's budget: first those that a third photo confirms,
+  /// then those with a landmark. Within a class they stay in the order in which they are spread.
   void keepBest(const TrackedPhoto& photo, Keyframe& keyframe) const {
     std::vector<int> order(photo.landmark.size());
     std::iota(order.begin(), order.end(), 0);
     const auto sights = [&](int f) {
       const int id = photo.landmark[static_cast<std::size_t>(f)];
-      return id < 0 ? std::size_t{0}
-                    : map_.landmarks[static_cast<std::size_t>(id)].observations.size();
+      if (id < 0) return std::size_t{0};
+      const auto& all = map_.landmarks[static_cast<std::size_t>(id)].observations;
+      return std::min<std::size_t>(3, all.size());
     };
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return sights(a) > sights(b); });

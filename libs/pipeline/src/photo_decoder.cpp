@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "photo_decoder.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
@@ -27,9 +27,13 @@ bool isWholeJpeg(const std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels) {
-  std::ifstream in(photo.file, std::ios::binary);
+  std::ifstream in(photo.file, std::ios::binary | std::ios::ate);
   if (!in) return Failure{"damaged", "file cannot be opened"};
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), {}};
+  std::vector<std::uint8_t> bytes(
+      static_cast<std::size_t>(std::max<std::streamoff>(0, in.tellg())));
+  in.seekg(0);
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!in) return Failure{"damaged", "file cannot be read"};
   if (bytes.empty()) return Failure{"damaged", "file is empty"};
   if (!isWholeJpeg(bytes)) return Failure{"damaged", "JPEG breaks off"};
   const double full = 1e-6 * photo.camera.width * photo.camera.height;
