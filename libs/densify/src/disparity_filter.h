@@ -36,7 +36,7 @@ void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse, int partner_
 
 /// CV_8UC1, 0..255; 0 where there is no disparity. From how alike the two images are once the
 /// partner is warped onto the reference (zero-mean normalized correlation of a window), how much
-/// texture the window holds, and how far the neighbouring disparities agree.
+/// texture the window holds, and how little the disparities vary in it.
 cv::Mat confidenceOf(const cv::Mat& disparity, const StereoInput& input);
 
 }  // namespace cf

@@ -24,7 +24,7 @@ struct DensifyOptions {
   double max_baseline_over_depth = 0.8;
   double max_convergence_deg = 40;
   double min_overlap = 0.2;
-  int min_confidence = 40;
+  int min_confidence = 24;
 
   void visit(OptionVisitor& visitor);
 };
