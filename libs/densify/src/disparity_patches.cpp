@@ -14,7 +14,8 @@ namespace {
 constexpr float kMinSlopeEnergy = 4;  // squared grey levels per px
 constexpr float kMaxRefinementPx = 0.75F;
 constexpr float kCorrelationNone = 0.2F, kCorrelationFull = 0.9F;
-constexpr float kSpread = 16 * 4;      // squared 1/4 px: disparities that vary so much count half
+constexpr float kSpread = 16 * 2;  // squared 1/4 px: a variance of the disparities that counts half
+constexpr float kLeastEven = 0.2F;     // what is left of the confidence beside a step
 constexpr float kTextureSigma = 2.5F;  // grey levels: noise of a photo
 
 /// One row of the partner warped onto the reference, in 1/16 grey levels; zero where there is no
@@ -112,7 +113,7 @@ CF_CLONES void confidenceRow(const std::int32_t* n, const std::int32_t* left,
     const float whole = std::min(1.F, count * (2.F / (WindowSums::kSide * WindowSums::kSide)));
     const float mean = static_cast<float>(quarters[u]) * share;
     const float spread = static_cast<float>(quarters2[u]) * share - mean * mean;
-    const float even = kSpread / (kSpread + std::max(spread, 0.F));
+    const float even = kLeastEven + (1 - kLeastEven) * kSpread / (kSpread + std::max(spread, 0.F));
     const int value = static_cast<int>(255.F * alike * texture * whole * even + 0.5F);
     confidence[u] = static_cast<uchar>(disparity[u] == kNoDisparity ? 0 : value);
   }
