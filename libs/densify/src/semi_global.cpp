@@ -260,17 +260,6 @@ CF_INLINE int winnerOf(const Cost* sum, int n) {
   return winner;
 }
 
-/// The least sum that is not beside the winner.
-CF_INLINE Cost rivalOf(const Cost* sum, int n, int winner) {
-  Lanes least = Lanes{} + kFar;
-  for (int d = 0; d < n; d += kLanes) {
-    const Lanes from = kOrder - static_cast<Cost>(winner - 1 - d);
-    const Lanes beside = (from >= 0) & (from <= 2);
-    least = lesser(least, load<Lanes>(sum + d) | (beside & kFar));
-  }
-  return leastOf(least);
-}
-
 /// The partner's least sum and the reference pixel it belongs to, along one pixel's disparities.
 CF_INLINE void collectPixel(const Cost* sum, int n, Cost u, Cost* least, Cost* match) {
   int d = 0;
@@ -291,10 +280,9 @@ CF_INLINE void collectPixel(const Cost* sum, int n, Cost u, Cost* least, Cost* m
 /// Best disparity of each reference pixel of a row, sub-pixel, checked against the partner's best.
 class RowWinner {
  public:
-  RowWinner(int width, int partner_width, int max_count, int uniqueness_percent)
+  RowWinner(int width, int partner_width, int max_count)
       : width_(width),
         partner_width_(partner_width),
-        uniqueness_(uniqueness_percent),
         best_(static_cast<std::size_t>(width)),
         // Runs from right to left, so that it is read upwards with growing disparity.
         partner_least_(static_cast<std::size_t>(partner_width + 2 * max_count + width)),
@@ -314,7 +302,6 @@ class RowWinner {
       const int mutual = partner_match_[static_cast<std::size_t>(partner_width_ - 1 - x)];
       if (std::abs(mutual - u) > 1) continue;
       if (d == 0 || d == n - 1) continue;  // the minimum may lie beyond
-      if (rivalOf(s, n, d) <= s[d] * (100 + uniqueness_) / 100) continue;
       const int left = s[d - 1] - s[d], right = s[d + 1] - s[d];
       const int part = left + right > 0 ? (16 * (left - right)) / (2 * (left + right)) : 0;
       disparity[u] = static_cast<std::int16_t>(16 * (layout.min[k] + d) + part);
@@ -323,25 +310,55 @@ class RowWinner {
 
  private:
   CF_INLINE void collect(const Cost* sum, const RowLayout& layout) {
+    // The part of the partner's row that the last pixel saw. From one pixel to the next it moves by
+    // one: it stays in registers meanwhile (from memory it would come back late).
+    Lanes least{}, match{};
+    int held = kNone;  // where that part begins
+    const auto release = [&] {
+      if (held == kNone) return;
+      std::memcpy(&partner_least_[static_cast<std::size_t>(held)], &least, sizeof least);
+      std::memcpy(&partner_match_[static_cast<std::size_t>(held)], &match, sizeof match);
+      held = kNone;
+    };
     for (int u = 0; u < width_; ++u) {
       const auto k = static_cast<std::size_t>(u);
       const Cost* s = sum + layout.start[k];
       const int n = layout.count[k];
       if (n == 0) continue;
       best_[k] = winnerOf(s, n);
-      int first = partner_width_ - 1 - (u - layout.min[k]), d0 = 0;
-      if (first < 0) {
-        d0 = -first;
-        first = 0;
+      const int first = partner_width_ - 1 - (u - layout.min[k]);
+      if (n != kLanes || first < 0 || first + n > partner_width_) {
+        release();
+        const int d0 = std::max(0, -first), at = std::max(0, first);
+        const int usable = std::min(n - d0, partner_width_ - at);
+        if (usable <= 0) continue;
+        collectPixel(s + d0, usable, static_cast<Cost>(u),
+                     &partner_least_[static_cast<std::size_t>(at)],
+                     &partner_match_[static_cast<std::size_t>(at)]);
+        continue;
       }
-      const int usable = std::min(n - d0, partner_width_ - first);
-      if (usable <= 0) continue;
-      const auto at = static_cast<std::size_t>(first);
-      collectPixel(s + d0, usable, static_cast<Cost>(u), &partner_least_[at], &partner_match_[at]);
+      Cost* const least_at = &partner_least_[static_cast<std::size_t>(first)];
+      Cost* const match_at = &partner_match_[static_cast<std::size_t>(first)];
+      if (held == first + 1) {
+        least_at[kLanes] = least[kLanes - 1];
+        match_at[kLanes] = match[kLanes - 1];
+        least = fromBelow(least, *least_at);
+        match = fromBelow(match, *match_at);
+      } else {
+        release();
+        least = load<Lanes>(least_at);
+        match = load<Lanes>(match_at);
+      }
+      held = first;
+      const Lanes here = load<Lanes>(s);
+      match = here < least ? Lanes{} + static_cast<Cost>(u) : match;
+      least = lesser(here, least);
     }
+    release();
   }
 
-  int width_, partner_width_, uniqueness_;
+  static constexpr int kNone = -1;
+  int width_, partner_width_;
   std::vector<int> best_;
   std::vector<Cost> partner_least_, partner_match_;
 };
@@ -383,7 +400,7 @@ void matchBand(const cv::Mat& reference, const cv::Mat& census_reference,
   volume.reserve(total);
   std::uint8_t* const cost = volume.cost.get();
   Cost* const sum = volume.sum.get();
-  RowWinner winner(width, census_partner.cols, max_count, penalties.uniqueness_percent);
+  RowWinner winner(width, census_partner.cols, max_count);
   std::vector<std::uint16_t> mirrored(static_cast<std::size_t>(census_partner.cols));
   for (const int direction : {1, -1}) {
     Sweep sweep(reference, penalties, direction, max_count, max_slots);

@@ -30,10 +30,9 @@ struct TileRanges {
 };
 
 struct SemiGlobalPenalties {
-  int small = 4;               ///< P1: of a step of 1 px, in bits of the census cost (0..12)
-  int large = 28;              ///< P2: of a larger step where the grey does not change
-  int large_floor = 7;         ///< P2 across a strong edge of the grey
-  int uniqueness_percent = 3;  ///< a second minimum must be this much worse
+  int small = 4;        ///< P1: of a step of 1 px, in bits of the census cost (0..12)
+  int large = 28;       ///< P2: of a larger step where the grey does not change
+  int large_floor = 7;  ///< P2 across a strong edge of the grey
 };
 
 /// Semi-global matching (Hirschmueller 2008) along four paths (rows and columns, both ways; the
