@@ -11,38 +11,16 @@
 #include "census.h"
 #include "cf/densify/stereo_matcher.h"
 #include "lanes.h"
+#include "row_winner.h"
 
 namespace cf {
 namespace {
 
 static_assert(TileRanges::kCountStep == kLanes);
 
-constexpr Cost kFar = 0x3FFF;    // path cost of a disparity that was not searched
 constexpr int kOutsideCost = 6;  // of a match beyond the partner image: as for unlike pixels
 constexpr std::size_t kMaxCells = 10'000'000;  // of the cost volume held at once: 30 MB
 constexpr int kBandOverlap = 24;               // rows
-
-/// Where the disparities of one row's pixels lie in its part of the cost volume.
-struct RowLayout {
-  std::vector<int> min, count, start;
-  int total = 0;
-
-  RowLayout(const TileRanges& ranges, int tile_row, int width) {
-    for (int u = 0; u < width; ++u) {
-      const std::size_t tile = ranges.at(u / TileRanges::kTile, tile_row);
-      min.push_back(ranges.min_px[tile]);
-      count.push_back(ranges.count_px[tile]);
-      start.push_back(total);
-      total += count.back();
-    }
-  }
-  /// In a path buffer each pixel has one entry of kFar before and after its own.
-  std::size_t slot(int u) const {
-    const auto k = static_cast<std::size_t>(u);
-    return static_cast<std::size_t>(start[k]) + 2 * k + 1;
-  }
-  std::size_t slots() const { return static_cast<std::size_t>(total) + 2 * min.size(); }
-};
 
 /// Set bits, in steps that the compiler can do for many numbers at once.
 CF_INLINE std::uint16_t setBits(std::uint16_t bits) {
@@ -241,126 +219,6 @@ class Sweep {
   std::vector<Cost> along_[2];  // of the pixel before and of this one
   std::vector<Cost> along_scratch_{scratch_};
   std::vector<Cost> large_along_, large_down_;
-};
-
-constexpr Lanes kOrder = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-constexpr Cost kMaxSum = INT16_MAX / kLanes - 1;  // so that a sum and a lane fit one number
-
-/// Index of the least of the sums; of several, the first.
-CF_INLINE int winnerOf(const Cost* sum, int n) {
-  int winner = 0;
-  Cost least = INT16_MAX;
-  for (int d = 0; d < n; d += kLanes) {
-    const Lanes bounded = lesser(load<Lanes>(sum + d), Lanes{} + kMaxSum);
-    const Cost best = leastOf(bounded * kLanes + kOrder);
-    if (best / kLanes >= least) continue;
-    least = static_cast<Cost>(best / kLanes);
-    winner = d + best % kLanes;
-  }
-  return winner;
-}
-
-/// The partner's least sum and the reference pixel it belongs to, along one pixel's disparities.
-CF_INLINE void collectPixel(const Cost* sum, int n, Cost u, Cost* least, Cost* match) {
-  int d = 0;
-  for (; d + kLanes <= n; d += kLanes) {
-    const Lanes s = load<Lanes>(sum + d), l = load<Lanes>(least + d);
-    const Lanes m = s < l ? Lanes{} + u : load<Lanes>(match + d);
-    const Lanes kept = lesser(s, l);
-    std::memcpy(match + d, &m, sizeof m);
-    std::memcpy(least + d, &kept, sizeof kept);
-  }
-  for (; d < n; ++d) {
-    if (sum[d] >= least[d]) continue;
-    least[d] = sum[d];
-    match[d] = u;
-  }
-}
-
-/// Best disparity of each reference pixel of a row, sub-pixel, checked against the partner's best.
-class RowWinner {
- public:
-  RowWinner(int width, int partner_width, int max_count)
-      : width_(width),
-        partner_width_(partner_width),
-        best_(static_cast<std::size_t>(width)),
-        // Runs from right to left, so that it is read upwards with growing disparity.
-        partner_least_(static_cast<std::size_t>(partner_width + 2 * max_count + width)),
-        partner_match_(partner_least_.size()) {}
-
-  CF_CLONES void run(const Cost* sum, const RowLayout& layout, std::int16_t* disparity) {
-    std::fill(partner_least_.begin(), partner_least_.end(), kFar);
-    collect(sum, layout);
-    for (int u = 0; u < width_; ++u) {
-      const auto k = static_cast<std::size_t>(u);
-      disparity[u] = kNoDisparity;
-      const Cost* s = sum + layout.start[k];
-      const int n = layout.count[k], d = best_[k];
-      if (n == 0) continue;
-      const int x = u - layout.min[k] - d;
-      if (x < 0 || x >= partner_width_) continue;
-      const int mutual = partner_match_[static_cast<std::size_t>(partner_width_ - 1 - x)];
-      if (std::abs(mutual - u) > 1) continue;
-      if (d == 0 || d == n - 1) continue;  // the minimum may lie beyond
-      const int left = s[d - 1] - s[d], right = s[d + 1] - s[d];
-      const int part = left + right > 0 ? (16 * (left - right)) / (2 * (left + right)) : 0;
-      disparity[u] = static_cast<std::int16_t>(16 * (layout.min[k] + d) + part);
-    }
-  }
-
- private:
-  CF_INLINE void collect(const Cost* sum, const RowLayout& layout) {
-    // The part of the partner's row that the last pixel saw. From one pixel to the next it moves by
-    // one: it stays in registers meanwhile (from memory it would come back late).
-    Lanes least{}, match{};
-    int held = kNone;  // where that part begins
-    const auto release = [&] {
-      if (held == kNone) return;
-      std::memcpy(&partner_least_[static_cast<std::size_t>(held)], &least, sizeof least);
-      std::memcpy(&partner_match_[static_cast<std::size_t>(held)], &match, sizeof match);
-      held = kNone;
-    };
-    for (int u = 0; u < width_; ++u) {
-      const auto k = static_cast<std::size_t>(u);
-      const Cost* s = sum + layout.start[k];
-      const int n = layout.count[k];
-      if (n == 0) continue;
-      best_[k] = winnerOf(s, n);
-      const int first = partner_width_ - 1 - (u - layout.min[k]);
-      if (n != kLanes || first < 0 || first + n > partner_width_) {
-        release();
-        const int d0 = std::max(0, -first), at = std::max(0, first);
-        const int usable = std::min(n - d0, partner_width_ - at);
-        if (usable <= 0) continue;
-        collectPixel(s + d0, usable, static_cast<Cost>(u),
-                     &partner_least_[static_cast<std::size_t>(at)],
-                     &partner_match_[static_cast<std::size_t>(at)]);
-        continue;
-      }
-      Cost* const least_at = &partner_least_[static_cast<std::size_t>(first)];
-      Cost* const match_at = &partner_match_[static_cast<std::size_t>(first)];
-      if (held == first + 1) {
-        least_at[kLanes] = least[kLanes - 1];
-        match_at[kLanes] = match[kLanes - 1];
-        least = fromBelow(least, *least_at);
-        match = fromBelow(match, *match_at);
-      } else {
-        release();
-        least = load<Lanes>(least_at);
-        match = load<Lanes>(match_at);
-      }
-      held = first;
-      const Lanes here = load<Lanes>(s);
-      match = here < least ? Lanes{} + static_cast<Cost>(u) : match;
-      least = lesser(here, least);
-    }
-    release();
-  }
-
-  static constexpr int kNone = -1;
-  int width_, partner_width_;
-  std::vector<int> best_;
-  std::vector<Cost> partner_least_, partner_match_;
 };
 
 /// The cost volume of a band: matching costs and sums of path costs. Not initialised: each is
