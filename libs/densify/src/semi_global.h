@@ -30,8 +30,8 @@ struct TileRanges {
 };
 
 struct SemiGlobalPenalties {
-  int small = 4;        ///< P1: of a step of 1 px, in bits of the census cost (0..12)
-  int large = 28;       ///< P2: of a larger step where the grey does not change
+  int small = 6;        ///< P1: of a step of 1 px, in bits of the census cost (0..12)
+  int large = 36;       ///< P2: of a larger step where the grey does not change
   int large_floor = 7;  ///< P2 across a strong edge of the grey
 };
 
