@@ -20,14 +20,15 @@ using support::rotationErrorDeg;
 using support::Simulation;
 using support::SimulationOptions;
 
-/// All pairs of photos whose centres are near each other.
-MatchGraph graphOf(const Simulation& simulation) {
+/// All pairs of photos whose centres are nearer to each other than this.
+MatchGraph graphOf(const Simulation& simulation, double reach_m = 45) {
   MatchGraph graph{MatchGraphOptions{}};
   for (const GeoKeyframe& k : simulation.keyframes) graph.add(k.keyframe);
   std::vector<MatchGraph::Pair> pairs;
   for (const auto& [a, T_a] : simulation.T_world_cam)
     for (const auto& [b, T_b] : simulation.T_world_cam)
-      if (a < b && (T_a.translation() - T_b.translation()).norm() < 45) pairs.emplace_back(a, b);
+      if (a < b && (T_a.translation() - T_b.translation()).norm() < reach_m)
+        pairs.emplace_back(a, b);
   graph.match(pairs);
   return graph;
 }
@@ -54,6 +55,42 @@ void setLocal(Simulation& simulation, SegmentId id) {
     segment.scale = 1;
     for (auto& pose : segment.poses) pose.T_world_cam = simulation.photo(pose.frame).T_local_cam;
   }
+}
+
+/// The things within `radius_m` of a place stand again, just alike, `offset` away: UAV `uav` sees
+/// them there.
+void addLookAlikes(Simulation& simulation, std::uint16_t uav, const Eigen::Vector2d& place,
+                   double radius_m, const Eigen::Vector3d& offset) {
+  for (GeoKeyframe& geo : simulation.keyframes) {
+    if (geo.keyframe->id.uav != uav) continue;
+    auto keyframe = std::make_shared<Keyframe>(*geo.keyframe);
+    auto features = std::make_shared<FeatureSet>(*keyframe->features);
+    const double scale = simulation.metres_per_unit.at({uav, keyframe->segment});
+    const Eigen::Isometry3d T_cam_world = simulation.T_world_cam.at(keyframe->id).inverse();
+    for (std::size_t i = 0; i < simulation.points.size(); ++i) {
+      const Eigen::Vector3d& original = simulation.points[i];
+      if ((original.head<2>() - place).norm() > radius_m) continue;
+      const Eigen::Vector3d p = T_cam_world * Eigen::Vector3d(original + offset);
+      const Eigen::Vector2d pixel = keyframe->camera.project(p);
+      if (!keyframe->camera.contains(pixel)) continue;
+      features->pixel.push_back(pixel.cast<float>());
+      features->scale_px.push_back(static_cast<float>(5 * features->pixel_size));
+      features->colour.insert(features->colour.end(), {10, 120, 60});
+      for (const double value : support::descriptorOf(static_cast<int>(i)))
+        features->descriptor.push_back(
+            static_cast<std::uint8_t>(std::min(255.0, std::round(value))));
+      keyframe->inverse_depth.push_back(static_cast<float>(scale / p.z()));
+    }
+    keyframe->features = features;
+    geo.keyframe = keyframe;
+  }
+}
+
+/// Photo pairs of different UAVs that match.
+std::size_t pairsAcross(const MatchGraph& graph) {
+  return static_cast<std::size_t>(std::count_if(
+      graph.pairs().begin(), graph.pairs().end(),
+      [](const auto& entry) { return entry.first.first.uav != entry.first.second.uav; }));
 }
 
 struct Errors {
@@ -157,6 +194,37 @@ TEST(JoinSegments, AnUnjoinedPieceWithoutGeoreferenceIsLeftOut) {
   EXPECT_EQ(placement.photos.size(), 18u);
   EXPECT_EQ(placement.components, 1);
   EXPECT_FALSE(placement.relative);
+}
+
+// The same roof stands in two places: its features match over many photos, with one geometry, but
+// it fills only a patch of what the photos would share.
+TEST(JoinSegments, LookAlikesJoinNothing) {
+  for (const bool georeferenced : {false, true}) {
+    LawnMower away = strips({});
+    away.start_m = {400, 0};
+    away.georeferenced = georeferenced;
+    Simulation flight = FlightSimulator(exactGeoreference(), 1).fly({strips({}), away});
+    addLookAlikes(flight, 1, {40, 30}, 9, {390, 5, 0});
+    const MatchGraph graph = graphOf(flight, 1000);
+    EXPECT_GT(pairsAcross(graph), 20u);
+    const Placement placement = joinSegments(graph, flight.segments, 0);
+    EXPECT_EQ(placement.components, georeferenced ? 2 : 1);
+    EXPECT_EQ(placement.photos.size(), georeferenced ? 36u : 18u);
+    EXPECT_LT(worstOf(flight, placement).position_m, 0.05);
+  }
+}
+
+TEST(JoinSegments, LookAlikesDoNotHideATrueJoint) {
+  LawnMower beside = strips({});
+  beside.start_m = {60, 20};
+  beside.georeferenced = false;
+  Simulation flight = FlightSimulator(exactGeoreference(), 1).fly({strips({}), beside});
+  addLookAlikes(flight, 1, {5, 10}, 9, {100, 40, 0});
+  const Placement placement = joinSegments(graphOf(flight, 1000), flight.segments, 0);
+  EXPECT_EQ(placement.components, 1);
+  ASSERT_EQ(placement.photos.size(), 36u);
+  EXPECT_LT(worstOf(flight, placement).position_m, 0.8);
+  EXPECT_LT(worstOf(flight, placement).rotation_deg, 0.5);
 }
 
 TEST(JoinSegments, WithoutAnyGeoreferenceTheMapIsRelativeAndLevel) {

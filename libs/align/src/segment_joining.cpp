@@ -13,6 +13,9 @@ namespace cf {
 namespace {
 
 constexpr int kMinSharedPoints = 12;
+constexpr int kMinPairInliers = 8;
+constexpr int kCells = 5;              ///< by which an overlap is divided, each way
+constexpr double kMinCover = 0.25;     ///< part of an overlap's cells in which photos must agree
 constexpr double kRelativeDepth = 50;  ///< median depth of a map without any georeference
 
 /// A segment in its own frame: the georeferenced world, or its local frame.
@@ -63,36 +66,123 @@ struct Joint {
   Sim3 S_a_b;
 };
 
-std::vector<Joint> findJoints(const std::vector<Piece>& pieces, const MatchGraph& graph) {
+/// What two pieces both see: points in the frame of each, and the photos of each.
+struct Shared {
+  struct View {
+    FrameId photo_a, photo_b;
+    int feature_a = 0;
+  };
+  std::vector<Eigen::Vector3d> a, b;
+  std::vector<View> views;
+};
+
+std::map<std::pair<int, int>, Shared> sharedPoints(const std::vector<Piece>& pieces,
+                                                   const MatchGraph& graph) {
   std::map<FrameId, int> piece_of;
   for (std::size_t i = 0; i < pieces.size(); ++i)
     for (const auto& [id, T] : pieces[i].poses) piece_of[id] = static_cast<int>(i);
-  struct Shared {
-    std::vector<Eigen::Vector3d> a, b;
-  };
   std::map<std::pair<int, int>, Shared> shared;
   for (const auto& [pair, matches] : graph.pairs()) {
-    const auto pa = piece_of.find(pair.first), pb = piece_of.find(pair.second);
-    if (pa == piece_of.end() || pb == piece_of.end() || pa->second == pb->second) continue;
-    const bool ordered = pa->second < pb->second;
-    Shared& points = shared[std::minmax(pa->second, pb->second)];
-    const Piece& A = pieces[static_cast<std::size_t>(pa->second)];
-    const Piece& B = pieces[static_cast<std::size_t>(pb->second)];
+    const auto first = piece_of.find(pair.first), second = piece_of.find(pair.second);
+    if (first == piece_of.end() || second == piece_of.end() || first->second == second->second)
+      continue;
+    const bool ordered = first->second < second->second;
+    const auto& [photo_a, a] = ordered ? *first : *second;
+    const auto& [photo_b, b] = ordered ? *second : *first;
+    const Piece& A = pieces[static_cast<std::size_t>(a)];
+    const Piece& B = pieces[static_cast<std::size_t>(b)];
+    Shared& points = shared[{a, b}];
     for (const FeatureMatch& m : matches) {
-      Eigen::Vector3d a, b;
-      if (!pointOf(graph.photo(pair.first), m.a, A.poses.at(pair.first), A.scale, a) ||
-          !pointOf(graph.photo(pair.second), m.b, B.poses.at(pair.second), B.scale, b))
+      const int feature_a = ordered ? m.a : m.b, feature_b = ordered ? m.b : m.a;
+      Eigen::Vector3d in_a, in_b;
+      if (!pointOf(graph.photo(photo_a), feature_a, A.poses.at(photo_a), A.scale, in_a) ||
+          !pointOf(graph.photo(photo_b), feature_b, B.poses.at(photo_b), B.scale, in_b))
         continue;
-      points.a.push_back(ordered ? a : b);
-      points.b.push_back(ordered ? b : a);
+      points.a.push_back(in_a);
+      points.b.push_back(in_b);
+      points.views.push_back({photo_a, photo_b, feature_a});
     }
   }
+  return shared;
+}
+
+/// What a joint predicts of a pair of photos, and what the pair's matches say to it.
+struct Evidence {
+  int inliers = 0, matches = 0;
+  int seen = 0;     ///< cells of the overlap with landmarks of photo a, kCells² at most
+  int covered = 0;  ///< of them, those with an inlier
+
+  bool agrees() const {
+    return inliers >= kMinPairInliers && 2 * inliers >= matches && covered >= kMinCover * seen;
+  }
+};
+
+/// Cells are of the part of photo a that photo b sees if the joint is true: the box around the
+/// landmarks of a that project into b.
+void coverOf(const Keyframe& a, const Eigen::Isometry3d& T_a, double scale_a, const Keyframe& b,
+             const Eigen::Isometry3d& T_b, const Sim3& S_b_a, const std::set<int>& inliers,
+             Evidence& evidence) {
+  std::vector<int> visible;
+  Eigen::AlignedBox2f box;
+  const Eigen::Isometry3d T_b_inverse = T_b.inverse();
+  for (int f = 0; f < static_cast<int>(a.features->size()); ++f) {
+    Eigen::Vector3d p;
+    if (!pointOf(a, f, T_a, scale_a, p)) continue;
+    const Eigen::Vector3d seen = T_b_inverse * (S_b_a * p);
+    if (seen.z() <= 0 || !b.camera.contains(b.camera.project(seen))) continue;
+    visible.push_back(f);
+    box.extend(a.features->pixel[static_cast<std::size_t>(f)]);
+  }
+  std::set<std::pair<int, int>> seen, covered;
+  for (const int f : visible) {
+    const Eigen::Array2f at = (a.features->pixel[static_cast<std::size_t>(f)] - box.min()).array() /
+                              box.sizes().array().max(1.0f);
+    const Eigen::Array2i cell = (at * kCells).cast<int>().min(kCells - 1);
+    seen.emplace(cell.x(), cell.y());
+    if (inliers.count(f) > 0) covered.emplace(cell.x(), cell.y());
+  }
+  evidence.seen = static_cast<int>(seen.size());
+  evidence.covered = static_cast<int>(covered.size());
+}
+
+/// Whether the photo pairs of two pieces bear a joint out. Look-alikes (the same roof, the same
+/// car) match as well as the real thing, and over many photos, but they fill a patch of the overlap
+/// that they claim, not the overlap.
+bool holds(const RobustAlignment& alignment, const Shared& shared, const Piece& A, const Piece& B,
+           const MatchGraph& graph) {
+  std::map<std::pair<FrameId, FrameId>, std::pair<Evidence, std::set<int>>> pairs;
+  for (std::size_t i = 0; i < shared.views.size(); ++i) {
+    const Shared::View& view = shared.views[i];
+    auto& [evidence, inliers] = pairs[{view.photo_a, view.photo_b}];
+    ++evidence.matches;
+    if (!alignment.inlier[i]) continue;
+    ++evidence.inliers;
+    inliers.insert(view.feature_a);
+  }
+  const Sim3 S_b_a = alignment.S_a_b.inverse();
+  int agreeing = 0, seen = 0, covered = 0;
+  for (auto& [photos, data] : pairs) {
+    auto& [evidence, inliers] = data;
+    const auto& [a, b] = photos;
+    coverOf(graph.photo(a), A.poses.at(a), A.scale, graph.photo(b), B.poses.at(b), S_b_a, inliers,
+            evidence);
+    agreeing += evidence.agrees() ? 1 : 0;
+    seen += evidence.seen;
+    covered += evidence.covered;
+  }
+  const int needed = A.poses.size() > 2 && B.poses.size() > 2 && pairs.size() > 1 ? 2 : 1;
+  return agreeing >= needed && covered >= kMinCover * seen;
+}
+
+std::vector<Joint> findJoints(const std::vector<Piece>& pieces, const MatchGraph& graph) {
   std::vector<Joint> joints;
-  for (const auto& [key, points] : shared) {
-    const double depth = pieces[static_cast<std::size_t>(key.first)].median_depth;
+  for (const auto& [key, points] : sharedPoints(pieces, graph)) {
+    const Piece& A = pieces[static_cast<std::size_t>(key.first)];
+    const Piece& B = pieces[static_cast<std::size_t>(key.second)];
     const auto alignment = alignPointsRobust(points.a, points.b, AlignmentModel::kSim3,
-                                             0.03 * depth, kMinSharedPoints, 1);
-    if (alignment) joints.push_back({key.first, key.second, alignment->inliers, alignment->S_a_b});
+                                             0.03 * A.median_depth, kMinSharedPoints, 1);
+    if (alignment && holds(*alignment, points, A, B, graph))
+      joints.push_back({key.first, key.second, alignment->inliers, alignment->S_a_b});
   }
   return joints;
 }
