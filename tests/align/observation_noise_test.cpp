@@ -53,7 +53,7 @@ TEST(MeasureNoise, IndependentErrorsHaveNothingInCommon) {
   const ObservationNoise noise =
       noiseOf(flight(), [](float, float) { return Eigen::Vector2f(0, 0); });
   EXPECT_NEAR(noise.sigma_px, 0.4, 0.04);
-  EXPECT_LT(noise.common_share, 0.004);
+  EXPECT_LT(noise.common_variance_px2, 0.0006);
 }
 
 /// Corners of the photos drawn outwards by 0.3 px, as a lens that the model cannot follow would.
@@ -62,8 +62,8 @@ TEST(MeasureNoise, AShiftOfPartsOfAPhotoIsSeen) {
     const bool corner = (x < 0.25F || x > 0.75F) && (y < 0.33F || y > 0.67F);
     return corner ? Eigen::Vector2f(x < 0.5F ? -0.3F : 0.3F, 0) : Eigen::Vector2f(0, 0);
   });
-  EXPECT_GT(noise.common_share, 0.015);
-  EXPECT_LT(noise.common_share, 0.15);
+  EXPECT_GT(noise.common_variance_px2, 0.0024);
+  EXPECT_LT(noise.common_variance_px2, 0.024);
   EXPECT_NEAR(noise.sigma_px, 0.41, 0.06);
 }
 
@@ -71,7 +71,7 @@ TEST(MeasureNoise, NothingWithoutPoints) {
   const MatchGraph graph{MatchGraphOptions{}};
   const ObservationNoise noise = measureNoise(graph, {}, {});
   EXPECT_EQ(noise.sigma_px, 0);
-  EXPECT_EQ(noise.common_share, 0);
+  EXPECT_EQ(noise.common_variance_px2, 0);
 }
 
 }  // namespace

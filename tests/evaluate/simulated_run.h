@@ -56,7 +56,7 @@ class SimulatedRun {
     camera_.k1 = -0.05;
     write(truth() / "world.json", kWorld);
     write(out() / "world.json", kWorld);
-    write(out() / "config.effective.ini", "[densify]\nmegapixels = 0.03\nmethod = sgm\n");
+    write(out() / "config.effective.ini", "[densify]\nmegapixels = 0.03\nmatcher = sgm\n");
     for (const char* uav : {"a", "b"}) writeUav(uav);
     write(truth() / "images.tsv", images_);
     writeTum(truth() / "poses.tum", poses_);

@@ -213,7 +213,10 @@ class Aligner::State {
       problem.median_depth_m = depths[depths.size() / 2];
       JointSolution solution = adjustJointly(graph_, tracks, problem, options_.joint);
       for (const auto& [id, T] : solution.T_world_cam) {
+        const auto covariance = solution.covariance.find(id);
         out.table.poses[id] = {T, Eigen::Matrix<double, 6, 6>::Zero(), component, 0, 0, 0};
+        if (covariance != solution.covariance.end())
+          out.table.poses[id].covariance = covariance->second;
         // The first, largest component that a UAV is in calibrates its camera.
         if (calibrated.insert(id.uav).second) {
           out.table.cameras[id.uav] = solution.cameras[id.uav];

@@ -11,6 +11,7 @@ namespace {
 
 /// Parts of a photo that share an error.
 constexpr int kColumns = 4, kRows = 3;
+constexpr double kLeastSigmaPx = 0.02;
 
 struct Cell {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -24,12 +25,30 @@ int cellOf(const CameraModel& camera, const Eigen::Vector2d& pixel) {
   return std::clamp(y, 0, kRows - 1) * kColumns + std::clamp(x, 0, kColumns - 1);
 }
 
+std::size_t octaveOf(const FeatureSet& features, int feature) {
+  const double diameter =
+      static_cast<double>(features.scale_px[static_cast<std::size_t>(feature)]) /
+      features.pixel_size;
+  const double octave = std::floor(std::log2(std::max(diameter, 1.0)));
+  return std::min(ObservationNoise::kOctaves - 1, static_cast<std::size_t>(octave));
+}
+
+/// Standard deviation of one coordinate from lengths of plane errors: their median is 1.177 of it.
+double sigmaOf(std::vector<double>& lengths) {
+  if (lengths.empty()) return 0;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle / 1.1774;
+}
+
 }  // namespace
 
 ObservationNoise measureNoise(const MatchGraph& graph, const std::vector<SparsePoint>& points,
                               const std::map<FrameId, PosedPhoto>& photos) {
   std::map<FrameId, std::array<Cell, kColumns * kRows>> cells;
-  double squares = 0, redundancy = 0;
+  std::vector<double> lengths;
+  std::array<std::vector<double>, ObservationNoise::kOctaves> octave_lengths;
+  double redundancy = 0;
   for (const SparsePoint& p : points) {
     for (const SparseObservation& o : p.observations) {
       const FeatureSet& features = *graph.photo(o.frame).features;
@@ -43,13 +62,28 @@ ObservationNoise measureNoise(const MatchGraph& graph, const std::vector<SparseP
       cell.sum += e;
       cell.squares += e.squaredNorm();
       ++cell.count;
-      squares += e.squaredNorm();
+      lengths.push_back(e.norm());
+      octave_lengths[octaveOf(features, o.feature)].push_back(e.norm());
     }
     redundancy += 2 * static_cast<double>(p.observations.size()) - 3;
   }
+  ObservationNoise noise;
+  if (redundancy <= 0) return noise;
+  const double count = static_cast<double>(lengths.size());
+  const double absorbed = std::sqrt(2 * count / redundancy);  // by the points
+  noise.sigma_px = absorbed * sigmaOf(lengths);
+  // What an octave with few features shows counts for little against what all show.
+  constexpr double kBelief = 50;
+  for (std::size_t i = 0; i < ObservationNoise::kOctaves; ++i) {
+    const double n = static_cast<double>(octave_lengths[i].size());
+    const double own = absorbed * sigmaOf(octave_lengths[i]);
+    noise.octave_sigma_px[i] =
+        std::sqrt((n * own * own + kBelief * noise.sigma_px * noise.sigma_px) / (n + kBelief));
+  }
+
   // One-way analysis of variance: a mean of n independent residuals would vary by a n-th of them.
   constexpr int kEnough = 6;
-  double common = 0, total = 0;
+  double common = 0, total = 0, error2 = 0;
   for (const auto& [frame, parts] : cells)
     for (const Cell& cell : parts) {
       if (cell.count < kEnough) continue;
@@ -57,12 +91,49 @@ ObservationNoise measureNoise(const MatchGraph& graph, const std::vector<SparseP
       const double mean2 = (cell.sum / n).squaredNorm();
       const double within = (cell.squares - n * mean2) / (n - 1);
       common += n * (mean2 - within / n);
-      total += cell.squares;
+      total += n;
+      // Of n times the squared mean of a cell: twice its mean, on two degrees of freedom.
+      error2 += within * within;
     }
-  ObservationNoise noise;
-  if (redundancy > 0) noise.sigma_px = std::sqrt(squares / redundancy);
-  if (total > 0) noise.common_share = std::max(0.0, common / total);
+  // Only what is surely more than chance.
+  if (total > 0)
+    noise.common_variance_px2 = std::max(0.0, common - 2 * std::sqrt(error2)) / total / 2;
   return noise;
+}
+
+NoiseModel::NoiseModel(double sigma_px, double common_error_reach)
+    : common_error_reach_(common_error_reach), aligned_sigma_px_(sigma_px) {
+  octave_sigma_px_.fill(sigma_px);
+}
+
+void NoiseModel::measure(const MatchGraph& graph, const std::vector<SparsePoint>& detections,
+                         const std::vector<SparsePoint>& chains,
+                         const std::map<FrameId, PosedPhoto>& photos, bool deflate) {
+  const ObservationNoise detected = measureNoise(graph, detections, photos);
+  const ObservationNoise aligned = measureNoise(graph, chains, photos);
+  // What is common shows best where there is least else.
+  const double common =
+      aligned.sigma_px > 0 ? aligned.common_variance_px2 : detected.common_variance_px2;
+  double information = 0, deflated = 0;
+  const auto count = [&](std::size_t points, double sigma_px) {
+    const double variance = sigma_px * sigma_px;
+    information += static_cast<double>(points) / variance;
+    deflated += static_cast<double>(points) / (variance + common_error_reach_ * common);
+  };
+  if (detected.sigma_px > 0) {
+    for (std::size_t i = 0; i < ObservationNoise::kOctaves; ++i)
+      octave_sigma_px_[i] = std::max(kLeastSigmaPx, detected.octave_sigma_px[i]);
+    count(detections.size(), std::max(kLeastSigmaPx, detected.sigma_px));
+  }
+  if (aligned.sigma_px > 0) {
+    aligned_sigma_px_ = std::max(kLeastSigmaPx, aligned.sigma_px);
+    count(chains.size(), aligned_sigma_px_);
+  }
+  if (deflate && deflated > 0) deflation_ = information / deflated;
+}
+
+double NoiseModel::detection(const FeatureSet& features, int feature) const {
+  return octave_sigma_px_[octaveOf(features, feature)];
 }
 
 }  // namespace cf

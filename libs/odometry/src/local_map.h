@@ -18,8 +18,10 @@ using PhotoIndex = int;
 /// A photo inside odometry.
 struct TrackedPhoto {
   ImageFrame frame;  ///< without pixels
-  std::shared_ptr<const FeatureSet> features;
+  std::shared_ptr<FeatureSet> features;
+  cv::Mat grey;                             ///< for the alignment of patches, while recent
   std::vector<Eigen::Vector2d> normalized;  ///< per feature
+  std::vector<int> chain;                   ///< per feature, as a keyframe's
   std::vector<int> landmark;                ///< per feature; -1 = none
   int segment = -1;                         ///< -1: not posed yet
   Eigen::Isometry3d T_local_cam = Eigen::Isometry3d::Identity();

@@ -11,9 +11,11 @@
 #include <utility>
 
 #include "cf/features/match.h"
+#include "cf/features/patch_alignment.h"
 #include "cf/geometry/pnp.h"
 #include "cf/geometry/triangulation.h"
 #include "cf/geometry/two_view.h"
+#include "chain_alignment.h"
 #include "guided_search.h"
 #include "local_adjustment.h"
 #include "local_map.h"
@@ -24,6 +26,7 @@ namespace {
 
 /// A new landmark needs this angle between its rays; less says nothing about depth.
 constexpr double kMinTriangulationAngle = 0.015;
+constexpr double kAlignmentMegapixels = 3;  ///< of the photos that patches are aligned in
 /// A guided match may lie so many inlier thresholds from where it is expected: what the pose and
 /// the depth are wrong by, and room for others to be compared with.
 constexpr double kGuidedMargin = 6;
@@ -46,18 +49,25 @@ void OdometryOptions::visit(OptionVisitor& v) {
   v.integer("delay", delay, {0, 20}, "photos that must follow before a keyframe is final");
 }
 
+PreparedPhoto preparePhoto(const ImageFrame& frame, const OdometryOptions& options) {
+  return {extractFeatures(frame, options.features),
+          greyForAlignment(frame.image, kAlignmentMegapixels)};
+}
+
 class Odometry::Tracker {
  public:
   explicit Tracker(const OdometryOptions& options) : options_(options) {}
 
-  std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame, FeatureSet features) {
-    const PhotoIndex now = add(frame, std::move(features));
+  std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame,
+                                                    PreparedPhoto prepared) {
+    const PhotoIndex now = add(frame, std::move(prepared));
     if (continueSegment(now))
       matchGuided(now);
     else
       openSegment(now);
     if (map_.photo(now).segment >= 0) {
       adoptUnposed(now);
+      alignToLandmarks(map_, now);
       adjustLocally(map_, windowOf(now), threshold_);
     }
     for (const auto& [i, matches] : matches_)
@@ -71,18 +81,20 @@ class Odometry::Tracker {
   }
 
   Keyframe newest() const { return keyframeOf(static_cast<PhotoIndex>(map_.photos.size()) - 1); }
-  const FeatureOptions& features() const { return options_.features; }
+  const OdometryOptions& options() const { return options_; }
 
  private:
   using Matches = std::vector<FeatureMatch>;
 
-  PhotoIndex add(const ImageFrame& frame, FeatureSet features) {
+  PhotoIndex add(const ImageFrame& frame, PreparedPhoto prepared) {
     TrackedPhoto photo;
     photo.frame = frame;
     photo.frame.image.release();
-    photo.features = std::make_shared<const FeatureSet>(std::move(features));
+    photo.features = std::make_shared<FeatureSet>(std::move(prepared.features));
+    photo.grey = prepared.grey;
     photo.normalized = normalizedPoints(*photo.features, frame.camera);
     photo.landmark.assign(photo.features->size(), -1);
+    photo.chain = photo.landmark;
     threshold_ = options_.inlier_px * photo.features->pixel_size / frame.camera.fx;
     matches_.clear();
     map_.photos.push_back(std::move(photo));
@@ -252,8 +264,9 @@ class Odometry::Tracker {
     for (PhotoIndex i = firstOfWindow(now); i < now; ++i) {
       if (map_.photo(i).segment >= 0 || map_.photo(i).final) continue;
       const Matches& matches = matchesWith(i, now);
-      if (poseIn(map_.photo(now).segment, i, {{now, matches}}, true))
-        connect(now, i, matches, true);
+      if (!poseIn(map_.photo(now).segment, i, {{now, matches}}, true)) continue;
+      connect(now, i, matches, true);
+      alignToLandmarks(map_, i);
     }
   }
 
@@ -303,7 +316,9 @@ class Odometry::Tracker {
 
   void forgetOld(PhotoIndex now) {
     const PhotoIndex old = now - std::max(options_.match_window, options_.delay) - 1;
-    if (old >= 0) map_.photo(old).features.reset();
+    if (old < 0) return;
+    map_.photo(old).features.reset();
+    map_.photo(old).grey.release();
   }
 
   std::vector<std::shared_ptr<const Keyframe>> finalise(PhotoIndex last) {
@@ -362,8 +377,10 @@ class Odometry::Tracker {
     std::sort(order.begin(), order.end());
     keyframe.features = std::make_shared<const FeatureSet>(subset(*photo.features, order));
     std::vector<float> inverse_depth;
-    for (const int f : order)
+    for (const int f : order) {
       inverse_depth.push_back(keyframe.inverse_depth[static_cast<std::size_t>(f)]);
+      keyframe.chain.push_back(photo.chain[static_cast<std::size_t>(f)]);
+    }
     keyframe.inverse_depth = std::move(inverse_depth);
   }
 
@@ -384,11 +401,11 @@ Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
 
 std::vector<std::shared_ptr<const Keyframe>> Odometry::push(const ImageFrame& frame) {
-  return push(frame, extractFeatures(frame, tracker_->features()));
+  return push(frame, preparePhoto(frame, tracker_->options()));
 }
 std::vector<std::shared_ptr<const Keyframe>> Odometry::push(const ImageFrame& frame,
-                                                            FeatureSet features) {
-  return tracker_->push(frame, std::move(features));
+                                                            PreparedPhoto photo) {
+  return tracker_->push(frame, std::move(photo));
 }
 std::vector<std::shared_ptr<const Keyframe>> Odometry::flush() { return tracker_->flush(); }
 Keyframe Odometry::newest() const { return tracker_->newest(); }

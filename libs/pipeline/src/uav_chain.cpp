@@ -30,7 +30,7 @@ constexpr std::size_t kPhotosAhead = 4;
 /// A photo ready for odometry.
 struct Prepared {
   ImageFrame frame;  ///< without pixels
-  FeatureSet features;
+  PreparedPhoto photo;
   std::string damage;  ///< why it cannot be used; empty: it can
 };
 
@@ -79,7 +79,7 @@ class Chain {
     }
     const StageTimes::Scope scope(times_, "odometry");
     out->frame.image = decoded.value();
-    out->features = extractFeatures(out->frame, options_.odometry.features);
+    out->photo = preparePhoto(out->frame, options_.odometry);
     out->frame.image.release();
     return out;
   }
@@ -98,7 +98,7 @@ class Chain {
     std::vector<std::shared_ptr<const Keyframe>> keyframes;
     {
       const StageTimes::Scope scope(times_, "odometry");
-      keyframes = odometry_.push(frame, std::move(photo.features));
+      keyframes = odometry_.push(frame, std::move(photo.photo));
     }
     georeference(keyframes);
     noteOnline(frame.id.index, odometry_.newest());

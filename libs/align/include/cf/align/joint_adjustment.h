@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cf/align/match_graph.h"
@@ -13,16 +14,17 @@
 namespace cf {
 
 struct JointOptions {
-  int points_per_photo = 300;     ///< aimed at in the adjustment, spread over the photo
+  int points_per_photo = 300;     ///< aimed at in the adjustment, of either kind, spread out
   double feature_sigma_px = 0.7;  ///< of a feature until it is measured, at the feature size
-  /// The measured share s of the residuals' variance that features of a part of a photo have in
-  /// common (rolling shutter, lens, moving leaves) does not average out: an observation counts for
-  /// 1 / (1 + reach s) against the priors and GNSS.
-  double common_error_reach = 3000;
+  /// What the features of a part of a photo have in common (rolling shutter, lens, moving leaves)
+  /// does not average out: its measured variance counts so many times in an observation's own
+  /// against the priors and GNSS.
+  double common_error_reach = 20000;
   double principal_point_sigma = 0.001;  ///< prior, of the photo's width
   double focal_deviation = 0.005;        ///< relative; between UAVs with the same camera model
   double bias_sigma_horizontal_m = 3;    ///< prior of a UAV's GNSS bias
   double bias_sigma_vertical_m = 10;
+  std::string camera = "per_uav";  ///< or shared, among UAVs given the same camera
   bool refine_cameras = true;
   int max_iterations = 25;
 
@@ -44,6 +46,8 @@ struct JointProblem {
 
 struct JointSolution {
   std::map<FrameId, Eigen::Isometry3d> T_world_cam;
+  /// Translation [m] and rotation vector [rad], both in world; no entry where it is not determined.
+  std::map<FrameId, Eigen::Matrix<double, 6, 6>> covariance;
   std::vector<CameraModel> cameras;                 ///< by UAV, with sigmas after
   std::map<std::uint16_t, Eigen::Vector3d> bias_m;  ///< GNSS minus map, by UAV
   std::vector<SparsePoint> points;                  ///< every track that triangulates well

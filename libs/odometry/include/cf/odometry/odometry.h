@@ -26,6 +26,15 @@ struct OdometryOptions {
   void visit(OptionVisitor& v);
 };
 
+/// What odometry takes from the pixels of a photo.
+struct PreparedPhoto {
+  FeatureSet features;
+  cv::Mat grey;  ///< that patches are aligned in
+};
+
+/// Needs no state: may be done ahead, for several photos at a time. `frame.image` must be decoded.
+PreparedPhoto preparePhoto(const ImageFrame& frame, const OdometryOptions& options);
+
 /// Monocular visual odometry of one UAV: every photo becomes a keyframe with a pose in the local
 /// frame of its segment. Photos are matched to the last few, posed by resection (or, where no
 /// segment can be continued, by two-view geometry, which opens a new one) and refined by a local
@@ -40,9 +49,8 @@ class Odometry {
   /// `frame.image` must be decoded; frames come in time order. Returns the keyframes that became
   /// final.
   std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame);
-  /// The same with the features that extractFeatures() finds in the photo, which needs no state
-  /// and may be done ahead; `frame.image` may be empty.
-  std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame, FeatureSet features);
+  /// The same with what preparePhoto() made of the photo; `frame.image` may be empty.
+  std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame, PreparedPhoto photo);
   std::vector<std::shared_ptr<const Keyframe>> flush();
 
   /// The photo pushed last, as known now: segment, pose, matches, inliers. Its descriptors are not

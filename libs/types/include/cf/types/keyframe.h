@@ -29,6 +29,9 @@ struct Keyframe {
   std::shared_ptr<const FeatureSet> features;
   /// Per feature: inverse depth along the camera's z axis [1/VO unit]; 0 = not triangulated.
   std::vector<float> inverse_depth;
+  /// Per feature: the landmark whose first sight it was aligned with by grey values; -1 = none.
+  /// Features of one UAV with the same number agree to a fraction of what a detector can.
+  std::vector<int> chain;
   std::optional<GimbalAttitude> attitude;
   std::optional<double> height_above_ground_m;
   int matches = 0;  ///< feature matches to earlier photos
