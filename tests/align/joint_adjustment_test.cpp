@@ -173,6 +173,59 @@ TEST(AdjustJointly, RecoversAWrongCamera) {
   EXPECT_GT(errorsOf(flight, with_held).position_m, 2 * errors.position_m);
 }
 
+/// UAVs that were given the same camera: one lens each, near one another, or one for both.
+TEST(AdjustJointly, CamerasAreSharedWhereAsked) {
+  SimulationOptions options;
+  options.given_camera.fx = options.given_camera.fy = 1.01 * options.true_camera.fx;
+  options.given_camera.focal_sigma = 100;
+  options.given_camera.k1_sigma = options.given_camera.k2_sigma = 0.1;
+  const Simulation flight = FlightSimulator(options, 9).fly(crossing());
+  const MatchGraph graph = graphOf(flight);
+  const auto tracks = buildTracks(graph);
+  const auto cameras_of = [&](const std::string& camera) {
+    JointOptions joint;
+    joint.camera = camera;
+    return adjustJointly(graph, tracks, problemOf(flight, 0.5, 0.5), joint).cameras;
+  };
+  const auto own = cameras_of("per_uav"), shared = cameras_of("shared");
+  EXPECT_NE(own[0].fx, own[1].fx);
+  EXPECT_EQ(shared[0].fx, shared[1].fx);
+  EXPECT_EQ(shared[0].k1, shared[1].k1);
+  for (const CameraModel& camera : {own[0], own[1], shared[0], shared[1]}) {
+    EXPECT_NEAR(camera.fx, options.true_camera.fx, 5 * camera.focal_sigma);
+    EXPECT_LT(camera.focal_sigma, 30) << "observed by the crossing strips";
+    EXPECT_GT(camera.focal_sigma, 0);
+    EXPECT_LT(camera.k1_sigma, 0.02);
+  }
+  EXPECT_LT(shared[0].focal_sigma, own[0].focal_sigma);
+}
+
+/// Normalised squared errors of poses, over flights: six of them each.
+TEST(AdjustJointly, CovariancesTellTheErrors) {
+  JointOptions options;  // these receivers have no bias
+  options.bias_sigma_horizontal_m = options.bias_sigma_vertical_m = 0.001;
+  double sum = 0;
+  int count = 0;
+  for (unsigned seed = 21; seed < 27; ++seed) {
+    const Simulation flight = FlightSimulator({}, seed).fly(crossing());
+    const MatchGraph graph = graphOf(flight);
+    const JointSolution solution =
+        adjustJointly(graph, buildTracks(graph), problemOf(flight, 0.3, 0.3), options);
+    for (const auto& [id, T] : solution.T_world_cam) {
+      const Eigen::Isometry3d& truth = flight.T_world_cam.at(id);
+      const Eigen::AngleAxisd turn(T.linear() * truth.linear().transpose());
+      Eigen::Matrix<double, 6, 1> error;
+      error << T.translation() - truth.translation(), turn.angle() * turn.axis();
+      const auto& covariance = solution.covariance.at(id);
+      sum += error.dot(covariance.ldlt().solve(error));
+      ++count;
+    }
+  }
+  RecordProperty("nees", std::to_string(sum / count));
+  EXPECT_GT(sum / count, 3.5);
+  EXPECT_LT(sum / count, 9);
+}
+
 /// A sigma of zero holds a value, all three of them the whole calibration, whatever the photos say.
 TEST(AdjustJointly, WhatIsGivenWithoutSigmaStays) {
   SimulationOptions options;

@@ -18,6 +18,8 @@ constexpr float kSpread = 16 * 2;  // squared 1/4 px: a variance of the disparit
 constexpr float kLeastEven = 0.2F;     // what is left of the confidence beside a step
 constexpr float kTextureSigma = 2.5F;  // grey levels: noise of a photo
 
+constexpr int kKnown = 0;  ///< the first quantity of every window: pixels with a disparity
+
 /// One row of the partner warped onto the reference, in 1/16 grey levels; zero where there is no
 /// disparity.
 struct WarpedRow {
@@ -53,18 +55,31 @@ CF_CLONES void difference(const std::int32_t* a, const std::int32_t* b, const st
   for (int u = 0; u < n; ++u) out[u] = (a[u] - b[u]) * known[u];
 }
 
-/// Calls fill(v) for each row, which fills all quantities of `sums`, and then use(v) when the sums
-/// are those about row v.
+/// Sums of `quantities` over the window about every pixel: fill(v, row, sums) fills all of them but
+/// the first, which counts, for row v of the partner warped onto the reference, and use(v, windows)
+/// takes the sums about row v once they are complete.
 template <class Fill, class Use>
-void eachWindow(WindowSums& sums, int quantities, int rows, const Fill& fill, const Use& use) {
+void eachWindow(int quantities, const cv::Mat& disparity, const StereoInput& input,
+                const Fill& fill, const Use& use) {
+  const int width = disparity.cols, rows = disparity.rows;
+  WindowSums sums(quantities, width);
+  WarpedRow row(width);
+  std::vector<std::vector<std::int32_t>> windows(
+      static_cast<std::size_t>(quantities),
+      std::vector<std::int32_t>(static_cast<std::size_t>(width)));
   for (int v = 0; v < rows + WindowSums::kRadius; ++v) {
     if (v < rows) {
-      fill(v);
+      row.warp(disparity.ptr<std::int16_t>(v), input.reference.ptr(v), input.partner.ptr(v),
+               input.partner.cols);
+      std::copy(row.known.begin(), row.known.end(), sums.begin(kKnown));
+      fill(v, row, sums);
     } else {
       for (int q = 0; q < quantities; ++q) sums.fillZero(q);
     }
     sums.push();
-    if (v >= WindowSums::kRadius) use(v - WindowSums::kRadius);
+    if (v < WindowSums::kRadius) continue;
+    for (int q = 0; q < quantities; ++q) sums.sums(q, windows[static_cast<std::size_t>(q)].data());
+    use(v - WindowSums::kRadius, windows);
   }
 }
 
@@ -122,27 +137,18 @@ CF_CLONES void confidenceRow(const std::int32_t* n, const std::int32_t* left,
 }  // namespace
 
 void refineDisparity(cv::Mat& disparity, const StereoInput& input) {
+  enum { kSlope = kKnown + 1, kRest, kSlope2, kProduct, kCount };
   const int width = disparity.cols;
-  const auto size = static_cast<std::size_t>(width);
-  enum { kKnown, kSlope, kRest, kSlope2, kProduct, kCount };
-  WindowSums sums(kCount, width);
-  WarpedRow row(width);
-  std::vector<std::int32_t> windows[kCount];
-  for (auto& w : windows) w.resize(size);
   eachWindow(
-      sums, kCount, disparity.rows,
-      [&](int v) {
-        row.warp(disparity.ptr<std::int16_t>(v), input.reference.ptr(v), input.partner.ptr(v),
-                 input.partner.cols);
-        std::copy(row.known.begin(), row.known.end(), sums.begin(kKnown));
+      kCount, disparity, input,
+      [&](int, const WarpedRow& row, WindowSums& sums) {
         std::copy(row.slope.begin(), row.slope.end(), sums.begin(kSlope));
         std::int32_t* rest = sums.begin(kRest);
         difference(row.left.data(), row.right.data(), row.known.data(), width, rest);
         multiply(row.slope.data(), row.slope.data(), width, sums.begin(kSlope2));
         multiply(row.slope.data(), rest, width, sums.begin(kProduct));
       },
-      [&](int v) {
-        for (int q = 0; q < kCount; ++q) sums.sums(q, windows[q].data());
+      [&](int v, const auto& windows) {
         refineRow(windows[kKnown].data(), windows[kSlope].data(), windows[kRest].data(),
                   windows[kSlope2].data(), windows[kProduct].data(), width,
                   disparity.ptr<std::int16_t>(v));
@@ -150,20 +156,12 @@ void refineDisparity(cv::Mat& disparity, const StereoInput& input) {
 }
 
 cv::Mat confidenceOf(const cv::Mat& disparity, const StereoInput& input) {
+  enum { kLeft = kKnown + 1, kRight, kLeft2, kRight2, kProduct, kQuarters, kQuarters2, kCount };
   const int width = disparity.cols;
-  const auto size = static_cast<std::size_t>(width);
-  enum { kKnown, kLeft, kRight, kLeft2, kRight2, kProduct, kQuarters, kQuarters2, kCount };
-  WindowSums sums(kCount, width);
-  WarpedRow row(width);
-  std::vector<std::int32_t> windows[kCount];
-  for (auto& w : windows) w.resize(size);
   cv::Mat confidence(disparity.size(), CV_8U);
   eachWindow(
-      sums, kCount, disparity.rows,
-      [&](int v) {
-        row.warp(disparity.ptr<std::int16_t>(v), input.reference.ptr(v), input.partner.ptr(v),
-                 input.partner.cols);
-        std::copy(row.known.begin(), row.known.end(), sums.begin(kKnown));
+      kCount, disparity, input,
+      [&](int v, const WarpedRow& row, WindowSums& sums) {
         std::copy(row.left.begin(), row.left.end(), sums.begin(kLeft));
         std::copy(row.right.begin(), row.right.end(), sums.begin(kRight));
         multiply(row.left.data(), row.left.data(), width, sums.begin(kLeft2));
@@ -173,8 +171,7 @@ cv::Mat confidenceOf(const cv::Mat& disparity, const StereoInput& input) {
         quarterPixels(disparity.ptr<std::int16_t>(v), row.known.data(), width, quarters);
         multiply(quarters, quarters, width, sums.begin(kQuarters2));
       },
-      [&](int v) {
-        for (int q = 0; q < kCount; ++q) sums.sums(q, windows[q].data());
+      [&](int v, const auto& windows) {
         confidenceRow(windows[kKnown].data(), windows[kLeft].data(), windows[kRight].data(),
                       windows[kLeft2].data(), windows[kRight2].data(), windows[kProduct].data(),
                       windows[kQuarters].data(), windows[kQuarters2].data(), width,

@@ -61,10 +61,13 @@ class Solver {
     double damping = kFirstDamping;
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
       linearise();
-      double gain = 0;
-      for (; gain <= 0 && damping<kMostDamping; damping *= gain> 0 ? 0.1 : 8)
+      double gain = tryStep(damping, *cost);
+      while (gain <= 0 && damping < kMostDamping) {
+        damping *= 8;
         gain = tryStep(damping, *cost);
+      }
       if (gain <= 0) break;
+      damping *= 0.1;
       *cost *= 1 - gain;
       if (gain < kConverged) break;
     }

@@ -26,11 +26,11 @@ struct Placement {
 
 /// Joins segments through the triangulated features that their photos share: a robust Sim3 for
 /// each pair of segments, kept if the photos then agree all over the ground that they would share
-/// (things that look alike agree in a patch of it), a maximum spanning forest of them, and each tree brought back to the
-/// world by the georeferenced poses of its segments, all of them weighed together. Photos alone in
-/// their segment are resected against the points that their matches see. Segments that nothing
-/// joins keep their georeferenced poses as components of their own; those without georeference are
-/// left out. Component 0 holds most photos of UAV `center`.
+/// (things that look alike agree in a patch of it), a maximum spanning forest of them, and each
+/// tree brought back to the world by the georeferenced poses of its segments, all of them weighed
+/// together. Photos alone in their segment are resected against the points that their matches see.
+/// Segments that nothing joins keep their georeferenced poses as components of their own; those
+/// without georeference are left out. Component 0 holds most photos of UAV `center`.
 Placement joinSegments(const MatchGraph& graph, const std::vector<GeoSegment>& segments,
                        std::uint16_t center);
 
