@@ -2,12 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cf/formats/float_raster.h"
 
-#include <cpl_error.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <gdal.h>
-#include <ogr_srs_api.h>
 
 #include <atomic>
 #include <cmath>
@@ -18,41 +16,12 @@
 
 #include "cf/base/error.h"
 #include "cf/formats/atomic_file.h"
+#include "gdal_support.h"
 
 namespace cf {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct CloseDataset {
-  void operator()(GDALDatasetH dataset) const { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<void, CloseDataset>;
-
-struct DestroyReference {
-  void operator()(OGRSpatialReferenceH reference) const { OSRDestroySpatialReference(reference); }
-};
-using SpatialReference = std::unique_ptr<void, DestroyReference>;
-
-/// GDAL's messages stay off stderr; the last one is told in the exception.
-class QuietGdal {
- public:
-  QuietGdal() {
-    GDALAllRegister();
-    CPLPushErrorHandler(CPLQuietErrorHandler);
-    CPLErrorReset();
-  }
-  ~QuietGdal() { CPLPopErrorHandler(); }
-  QuietGdal(const QuietGdal&) = delete;
-  QuietGdal& operator=(const QuietGdal&) = delete;
-};
-
-[[noreturn]] void fail(const fs::path& path, const char* action) {
-  std::string reason = CPLGetLastErrorMsg();
-  for (char& c : reason)
-    if (c == '\n' || c == '\r') c = ' ';
-  throw RunError(path.string() + ": " + action + (reason.empty() ? "" : ": ") + reason);
-}
 
 /// A file in memory, removed at the end.
 struct MemoryFile {
@@ -66,20 +35,9 @@ struct MemoryFile {
   std::string name;
 };
 
-std::string wktOf(const fs::path& path, const std::string& crs) {
-  const SpatialReference reference(OSRNewSpatialReference(nullptr));
-  char* wkt = nullptr;
-  if (OSRSetFromUserInput(reference.get(), crs.c_str()) != OGRERR_NONE ||
-      OSRExportToWkt(reference.get(), &wkt) != OGRERR_NONE)
-    fail(path, ("cannot be written with the reference system '" + crs + "'").c_str());
-  const std::string text = wkt;
-  CPLFree(wkt);
-  return text;
-}
-
 std::string crsOf(const std::string& wkt) {
   if (wkt.empty()) return {};
-  const SpatialReference reference(OSRNewSpatialReference(wkt.c_str()));
+  const GdalReference reference(OSRNewSpatialReference(wkt.c_str()));
   const char* authority = OSRGetAuthorityName(reference.get(), nullptr);
   const char* code = OSRGetAuthorityCode(reference.get(), nullptr);
   return authority != nullptr && code != nullptr && std::string(authority) == "EPSG"
@@ -108,9 +66,9 @@ void writeFloatRaster(const fs::path& path, const FloatRaster& raster) {
   const MemoryFile memory;
   const char* const options[] = {"TILED=YES", "COMPRESS=DEFLATE", "PREDICTOR=3", nullptr};
   {
-    const Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), memory.name.c_str(), values.cols,
-                                     values.rows, 1, GDT_Float32, options));
-    if (!dataset) fail(path, "cannot be written");
+    const GdalDataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), memory.name.c_str(),
+                                         values.cols, values.rows, 1, GDT_Float32, options));
+    if (!dataset) failGdal(path, "cannot be written");
     for (const auto& [key, value] : raster.metadata)
       GDALSetMetadataItem(dataset.get(), key.c_str(), value.c_str(), nullptr);
     if (raster.geotransform) {
@@ -118,17 +76,17 @@ void writeFloatRaster(const fs::path& path, const FloatRaster& raster) {
       GDALSetGeoTransform(dataset.get(), g.data());
     }
     if (!raster.crs_wkt_or_epsg.empty())
-      GDALSetProjection(dataset.get(), wktOf(path, raster.crs_wkt_or_epsg).c_str());
+      GDALSetProjection(dataset.get(), gdalWkt(path, raster.crs_wkt_or_epsg).c_str());
     const GDALRasterBandH band = GDALGetRasterBand(dataset.get(), 1);
     cv::Mat copy = values.clone();  // GDAL takes a pointer to what may be written
     if (!cv::checkRange(copy)) GDALSetRasterNoDataValue(band, std::nan(""));
     if (GDALRasterIO(band, GF_Write, 0, 0, copy.cols, copy.rows, copy.data, copy.cols, copy.rows,
                      GDT_Float32, 0, static_cast<int>(copy.step)) != CE_None)
-      fail(path, "cannot be written");
+      failGdal(path, "cannot be written");
   }
   vsi_l_offset size = 0;
   const GByte* bytes = VSIGetMemFileBuffer(memory.name.c_str(), &size, FALSE);
-  if (bytes == nullptr) fail(path, "cannot be written");
+  if (bytes == nullptr) failGdal(path, "cannot be written");
   AtomicFile file(path);
   file.write(bytes, size);
   file.commit();
@@ -138,10 +96,10 @@ FloatRaster readFloatRaster(const fs::path& path) {
   const QuietGdal quiet;
   const char* const drivers[] = {"GTiff", nullptr};
   const char* const siblings[] = {nullptr};  // do not look for sidecar files
-  const Dataset dataset(
+  const GdalDataset dataset(
       GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, siblings));
-  if (!dataset) fail(path, "cannot be read as a TIFF");
-  if (GDALGetRasterCount(dataset.get()) < 1) fail(path, "has no band");
+  if (!dataset) failGdal(path, "cannot be read as a TIFF");
+  if (GDALGetRasterCount(dataset.get()) < 1) failGdal(path, "has no band");
   FloatRaster raster;
   raster.values.create(GDALGetRasterYSize(dataset.get()), GDALGetRasterXSize(dataset.get()),
                        CV_32FC1);
@@ -149,7 +107,7 @@ FloatRaster readFloatRaster(const fs::path& path) {
   cv::Mat& v = raster.values;
   if (GDALRasterIO(band, GF_Read, 0, 0, v.cols, v.rows, v.data, v.cols, v.rows, GDT_Float32, 0,
                    static_cast<int>(v.step)) != CE_None)
-    fail(path, "cannot be read");
+    failGdal(path, "cannot be read");
   int has_no_data = 0;
   const auto no_data = static_cast<float>(GDALGetRasterNoDataValue(band, &has_no_data));
   if (has_no_data != 0 && !std::isnan(no_data))

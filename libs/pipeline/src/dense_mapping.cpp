@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "cf/base/error.h"
 #include "cf/base/progress.h"
+#include "cf/deliver/las_cloud.h"
 #include "cf/formats/float_raster.h"
 #include "cf/formats/ply.h"
 #include "cf/formats/tile_store.h"
@@ -75,9 +77,11 @@ std::vector<MapPoint> sample(const std::vector<Contribution::Frame>& frames, int
 class DenseMapper {
  public:
   DenseMapper(const std::vector<std::vector<ImageFrame>>& photos, const Alignment& alignment,
-              const RunOptions& options, const std::filesystem::path& outdir, StageTimes& times)
+              const GridFrame& grid, const RunOptions& options, const std::filesystem::path& outdir,
+              StageTimes& times)
       : photos_(photos),
         alignment_(alignment),
+        grid_(grid),
         options_(options),
         outdir_(outdir),
         times_(times),
@@ -218,16 +222,20 @@ class DenseMapper {
     DirectoryTileStore tiles =
         DirectoryTileStore::create(outdir_ / "cloud", fuse.tile_m, fuse.voxel_m);
     PlyWriter ply(outdir_ / "cloud" / "cloud.ply");
+    std::optional<LasCloud> las;
+    if (options_.deliver.las) las.emplace(outdir_ / "cloud" / "cloud.las", grid_);
     const Delivery delivery = deliverCloud(store, fuse, [&](const Tile& tile) {
       for (const TilePoint& p : tile.points) {
         const Eigen::Vector3d world = tile.offset_m + p.position_m.cast<double>();
         ply.add(world.cast<float>(), {p.bgr[2], p.bgr[1], p.bgr[0]});
       }
+      if (las) las->add(tile);
       octomap.addSurface(tile);
       tiles.save(tile);
     });
     tiles.flush();
     ply.close();
+    if (las) las->close();
     summary_.points = delivery.points;
     for (const auto& [id, points] : rays_)
       octomap.carve(alignment_.table.poses.at(id).T_world_cam.translation(), points);
@@ -236,6 +244,7 @@ class DenseMapper {
 
   const std::vector<std::vector<ImageFrame>>& photos_;
   const Alignment& alignment_;
+  const GridFrame& grid_;
   const RunOptions& options_;
   const std::filesystem::path outdir_;
   StageTimes& times_;
@@ -250,9 +259,10 @@ class DenseMapper {
 }  // namespace
 
 DenseSummary mapDensely(const std::vector<std::vector<ImageFrame>>& photos,
-                        const Alignment& alignment, const RunOptions& options,
-                        const std::filesystem::path& outdir, StageTimes& times) {
-  return DenseMapper(photos, alignment, options, outdir, times).run();
+                        const Alignment& alignment, const GridFrame& grid,
+                        const RunOptions& options, const std::filesystem::path& outdir,
+                        StageTimes& times) {
+  return DenseMapper(photos, alignment, grid, options, outdir, times).run();
 }
 
 }  // namespace cf

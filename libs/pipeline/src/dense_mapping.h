@@ -7,6 +7,7 @@
 
 #include "cf/align/aligner.h"
 #include "cf/base/stopwatch.h"
+#include "cf/geodesy/grid_frame.h"
 #include "cf/pipeline/run_options.h"
 #include "cf/types/image_frame.h"
 
@@ -21,9 +22,10 @@ struct DenseSummary {
 };
 
 /// Virtual stereo pairs of every posed photo, matched side by side and fused in the order of the
-/// photos into tiles, cloud and OctoMap below `outdir`. `photos` by UAV.
+/// photos into tiles, clouds and OctoMap below `outdir`. `photos` by UAV.
 DenseSummary mapDensely(const std::vector<std::vector<ImageFrame>>& photos,
-                        const Alignment& alignment, const RunOptions& options,
-                        const std::filesystem::path& outdir, StageTimes& times);
+                        const Alignment& alignment, const GridFrame& grid,
+                        const RunOptions& options, const std::filesystem::path& outdir,
+                        StageTimes& times);
 
 }  // namespace cf

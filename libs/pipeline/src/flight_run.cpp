@@ -19,6 +19,7 @@
 #include "cf/deliver/deliver.h"
 #include "cf/formats/atomic_file.h"
 #include "cf/formats/camera_ini.h"
+#include "cf/geodesy/grid_frame.h"
 #include "cf/geodesy/local_frame.h"
 #include "cf/rawlog/rawlog_reader.h"
 #include "cf/view/render.h"
@@ -38,10 +39,10 @@ void removeEarlierResult(const fs::path& outdir) {
       {"trajectories", ".kml"}, {"cameras", ".ini"},      {"trajectories", ".geojson"},
       {"scale", ".csv"},        {"odometry", ".tum"},     {"graphs", ".graph"},
       {"cloud", ".ply"},        {"cloud", ".json"},       {"cloud/tiles", ".pcd"},
-      {"snapshots", ".png"}};
+      {"cloud", ".las"},        {"snapshots", ".png"}};
   std::vector<fs::path> files;
   for (const char* name : {"report.json", "report.html", "world.json", "relative_poses.csv",
-                           "octomap.ot", "octomap.bt", "map.3Dscene"})
+                           "octomap.ot", "octomap.bt", "map.3Dscene", "dsm.tif", "orthophoto.tif"})
     files.push_back(outdir / name);
   std::error_code error;
   const auto collect = [&](const fs::path& folder, const char* extension) {
@@ -113,7 +114,8 @@ class FlightRun {
     const double started = wallSeconds();
     std::vector<ChainResult> chains = play();
     const Alignment alignment = align(chains);
-    const DenseSummary dense = mapDensely(photos(), alignment, options_, request_.outdir, times_);
+    const DenseSummary dense =
+        mapDensely(photos(), alignment, grid_, options_, request_.outdir, times_);
     collect(std::move(chains), alignment, dense);
     record_.wall_s = wallSeconds() - started;
     deliverAll(dense);
@@ -154,6 +156,7 @@ class FlightRun {
     record_.world.height_m = origin.height_m;
     record_.world.h_datum = first->datum;
     record_.world.utm = world_->utmZone();
+    grid_ = GridFrame(*world_, first->datum);
   }
 
   /// UAV chains side by side; each is independent of all others.
@@ -272,6 +275,7 @@ class FlightRun {
   std::uint16_t center_ = 0;
   std::size_t photos_ = 0;
   std::optional<LocalFrame> world_;
+  GridFrame grid_;
   StageTimes times_;
   RunRecord record_;
 };

@@ -9,6 +9,7 @@ namespace cf {
 /// Section [deliver].
 struct DeliverOptions {
   bool html = true;
+  bool las = true;
   bool depth_maps = false;
 
   void visit(OptionVisitor& v);
