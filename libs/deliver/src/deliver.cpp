@@ -25,7 +25,8 @@ std::vector<std::string> allWarnings(const RunRecord& run) {
   if (run.world.relative) {
     warnings.push_back(
         "no GNSS position at all: the map is relative (arbitrary origin and heading); "
-        "all.geojson, all.kml and *.ecef.csv are left out, cloud.las has no reference system");
+        "all.geojson, all.kml and *.ecef.csv are left out, cloud.las and the rasters have no "
+        "reference system");
   } else if (run.world.h_datum != HeightDatum::kEllipsoid) {
     warnings.push_back(run.world.h_datum == HeightDatum::kMsl
                            ? "heights count from mean sea level; *.ecef.csv takes them as "

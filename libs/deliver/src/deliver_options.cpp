@@ -9,6 +9,7 @@ void DeliverOptions::visit(OptionVisitor& v) {
   v.flag("las", las,
          "write cloud/cloud.las: the dense cloud as LAS 1.4 in UTM; user data = depth frames that "
          "saw a point");
+  v.flag("dsm", dsm, "write dsm.tif: the height of the uppermost surface [m] on a raster in UTM");
   v.flag("depth_maps", depth_maps,
          "write depth/<uav>/<photo>.tif: depth along the optical axis [m] on every STEP-th pixel "
          "of the photo, 0 = nothing");

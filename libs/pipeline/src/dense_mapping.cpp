@@ -11,6 +11,7 @@
 
 #include "cf/base/error.h"
 #include "cf/base/progress.h"
+#include "cf/deliver/dsm.h"
 #include "cf/deliver/las_cloud.h"
 #include "cf/formats/float_raster.h"
 #include "cf/formats/ply.h"
@@ -106,6 +107,7 @@ class DenseMapper {
     }
     deliver(store, fuse);
     std::filesystem::remove_all(work);
+    deliverRasters();
     return summary_;
   }
 
@@ -224,12 +226,14 @@ class DenseMapper {
     PlyWriter ply(outdir_ / "cloud" / "cloud.ply");
     std::optional<LasCloud> las;
     if (options_.deliver.las) las.emplace(outdir_ / "cloud" / "cloud.las", grid_);
+    dsm_.emplace(grid_, fuse.voxel_m);
     const Delivery delivery = deliverCloud(store, fuse, [&](const Tile& tile) {
       for (const TilePoint& p : tile.points) {
         const Eigen::Vector3d world = tile.offset_m + p.position_m.cast<double>();
         ply.add(world.cast<float>(), {p.bgr[2], p.bgr[1], p.bgr[0]});
       }
       if (las) las->add(tile);
+      dsm_->add(tile);
       octomap.addSurface(tile);
       tiles.save(tile);
     });
@@ -240,6 +244,13 @@ class DenseMapper {
     for (const auto& [id, points] : rays_)
       octomap.carve(alignment_.table.poses.at(id).T_world_cam.translation(), points);
     octomap.write(outdir_ / "octomap");
+  }
+
+  void deliverRasters() {
+    if (dsm_->empty() || !options_.deliver.dsm) return;
+    const StageTimes::Scope scope(times_, "dsm", CpuClock::kProcess);
+    DirectoryTileStore cloud = DirectoryTileStore::open(outdir_ / "cloud");
+    dsm_->write(cloud, outdir_ / "dsm.tif");
   }
 
   const std::vector<std::vector<ImageFrame>>& photos_;
@@ -253,6 +264,7 @@ class DenseMapper {
   DepthMaps depth_maps_;
   std::map<FrameId, std::vector<FrameId>> partners_;
   std::vector<std::pair<FrameId, std::vector<MapPoint>>> rays_;
+  std::optional<DsmBuilder> dsm_;
   DenseSummary summary_;
 };
 

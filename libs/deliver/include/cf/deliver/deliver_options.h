@@ -10,6 +10,7 @@ namespace cf {
 struct DeliverOptions {
   bool html = true;
   bool las = true;
+  bool dsm = true;
   bool depth_maps = false;
 
   void visit(OptionVisitor& v);
