@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -27,6 +29,19 @@ struct CommonArea {
   double nearest_m = std::numeric_limits<double>::infinity(), farthest_m = 0;  // rectified z
   double share = 0;
 };
+
+// The cells of a row of the remap table in the compiler's own vector notation.
+using Floats = float __attribute__((vector_size(4 * kGridStep)));
+using Integers = std::int32_t __attribute__((vector_size(4 * kGridStep)));
+constexpr Floats kAlongCell = {0, 0.125F, 0.25F, 0.375F, 0.5F, 0.625F, 0.75F, 0.875F};
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "pairs of shorts are packed into ints");
+
+/// In 1/32 px: floor of a value shifted to the positive side.
+Integers fixedPoint(Floats v) {
+  constexpr int kOne = cv::INTER_TAB_SIZE, kShift = 16384;
+  return __builtin_convertvector((v + kShift * 1.F) * (kOne * 1.F) + 0.5F, Integers) -
+         kShift * kOne;
+}
 
 bool sees(const PosedCamera& camera, const Eigen::Vector3d& p_world) {
   const Eigen::Vector3d p = camera.T_world_cam.inverse() * p_world;
@@ -176,6 +191,8 @@ RemapTable remapTable(const RectifiedView& view, const CameraModel& image_camera
   const int max_x = image_camera.width - 1, max_y = image_camera.height - 1;
   constexpr int kBits = cv::INTER_BITS, kOne = cv::INTER_TAB_SIZE;
   std::vector<float> line(static_cast<std::size_t>(columns) * 2);
+  std::vector<std::int32_t> fractions(static_cast<std::size_t>(columns * kGridStep));
+  std::vector<std::int32_t> beyond_edge(fractions);
   for (int v = strip.start; v < strip.end; ++v) {
     const float* above = &grid[static_cast<std::size_t>(v / kGridStep - first_row) * line.size()];
     const float* below = above + line.size();
@@ -184,18 +201,24 @@ RemapTable remapTable(const RectifiedView& view, const CameraModel& image_camera
     auto* xy = table.fixed_xy.ptr<short>(v - strip.start);
     auto* fraction = table.fraction.ptr<ushort>(v - strip.start);
     auto* inside = table.inside.ptr<uchar>(v - strip.start);
+    for (int from = 0; from < view.width; from += kGridStep) {
+      const float* a = &line[2 * static_cast<std::size_t>(from / kGridStep)];
+      const Integers x = fixedPoint(a[0] + kAlongCell * (a[2] - a[0]));
+      const Integers y = fixedPoint(a[1] + kAlongCell * (a[3] - a[1]));
+      const Integers column = x >> kBits, row = y >> kBits;
+      const Integers cell = (row << 16) | (column & 0xFFFF);  // two shorts, the column first
+      const Integers part = ((y & (kOne - 1)) << kBits) + (x & (kOne - 1));
+      // Negative where one of them is.
+      const Integers beyond = column | row | (max_x - 1 - column) | (max_y - 1 - row);
+      const auto n = static_cast<std::size_t>(std::min(kGridStep, view.width - from));
+      std::memcpy(xy + 2 * from, &cell, n * 2 * sizeof(short));
+      std::memcpy(&fractions[static_cast<std::size_t>(from)], &part, sizeof part);
+      std::memcpy(&beyond_edge[static_cast<std::size_t>(from)], &beyond, sizeof beyond);
+    }
     for (int u = 0; u < view.width; ++u) {
-      const float* a = &line[2 * static_cast<std::size_t>(u / kGridStep)];
-      const float s = static_cast<float>(u % kGridStep) / kGridStep;
-      const float x = a[0] + s * (a[2] - a[0]), y = a[1] + s * (a[3] - a[1]);
-      // Floor of a value shifted to the positive side, in 1/32 px.
-      const int fx = static_cast<int>((x + 16384.F) * kOne + 0.5F) - 16384 * kOne;
-      const int fy = static_cast<int>((y + 16384.F) * kOne + 0.5F) - 16384 * kOne;
-      const int ix = fx >> kBits, iy = fy >> kBits;
-      xy[2 * u] = static_cast<short>(ix);
-      xy[2 * u + 1] = static_cast<short>(iy);
-      fraction[u] = static_cast<ushort>((fy & (kOne - 1)) * kOne + (fx & (kOne - 1)));
-      inside[u] = ix >= 0 && iy >= 0 && ix < max_x && iy < max_y ? 255 : 0;
+      const auto k = static_cast<std::size_t>(u);
+      fraction[u] = static_cast<ushort>(fractions[k]);
+      inside[u] = beyond_edge[k] < 0 ? 0 : 255;
     }
   }
   return table;
