@@ -156,6 +156,123 @@ TEST(Aligner, SolvesAgainWithMorePhotosAsIfAllHadComeAtOnce) {
               0.05);
 }
 
+/// Keyframes of all UAVs by turns, as they come in flight.
+std::vector<GeoKeyframe> byTurns(const Simulation& flight) {
+  std::vector<GeoKeyframe> order = flight.keyframes;
+  std::stable_sort(order.begin(), order.end(), [](const GeoKeyframe& a, const GeoKeyframe& b) {
+    return a.keyframe->id.index < b.keyframe->id.index;
+  });
+  return order;
+}
+
+/// What the UAVs know when the photos `known` have come.
+std::vector<GeoSegment> segmentsOf(const Simulation& flight, const std::set<FrameId>& known) {
+  std::vector<GeoSegment> segments;
+  for (GeoSegment segment : flight.segments) {
+    auto& poses = segment.poses;
+    poses.erase(std::remove_if(poses.begin(), poses.end(),
+                               [&](const auto& p) { return known.count(p.frame) == 0; }),
+                poses.end());
+    if (!poses.empty()) segments.push_back(segment);
+  }
+  return segments;
+}
+
+/// RMS error of the camera centres after one similarity.
+double shapeError(const Simulation& flight, const PoseTable& table) {
+  std::vector<Eigen::Vector3d> truth, placed;
+  for (const auto& [id, entry] : table.poses) {
+    truth.push_back(flight.T_world_cam.at(id).translation());
+    placed.push_back(entry.T_world_cam.translation());
+  }
+  const auto S = alignPoints(truth, placed, AlignmentModel::kSim3);
+  double squared = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    squared += (*S * placed[i] - truth[i]).squaredNorm();
+  return std::sqrt(squared / static_cast<double>(truth.size()));
+}
+
+TEST(Aligner, TheMapGrowsByWindowsAndDrafts) {
+  auto plans = threeUavs();
+  for (LawnMower& plan : plans) {
+    plan.per_line = 12;
+    plan.cuts = {};
+  }
+  const Simulation flight = FlightSimulator(sparse(), 6).fly(plans);
+  AlignOptions options;
+  options.growth = 2;
+  Aligner aligner(options, 0);
+  constexpr std::size_t kEvery = 6;
+  std::set<FrameId> known;
+  PoseTable before;
+  std::size_t solved = 0;
+  double worst_error = 0;
+  for (const GeoKeyframe& keyframe : byTurns(flight)) {
+    aligner.push(keyframe);
+    known.insert(keyframe.keyframe->id);
+    if (known.size() % kEvery != 0) continue;
+    const PoseTable table =
+        aligner.update(segmentsOf(flight, known), flight.quality, flight.cameras);
+    EXPECT_EQ(table.version, before.version + 1);
+    EXPECT_EQ(table.poses.size(), known.size());
+    const bool draft = known.size() >= 2 * solved;
+    if (draft) solved = known.size();
+    std::size_t moved = 0;
+    for (const auto& [id, entry] : before.poses)
+      moved += (entry.T_world_cam.matrix() != table.poses.at(id).T_world_cam.matrix()) ? 1 : 0;
+    // A window is of bounded size, whatever the size of the map.
+    if (!draft) {
+      EXPECT_GT(moved, 0u);
+      EXPECT_LE(moved, 2 * kEvery);
+    }
+    worst_error = std::max(worst_error, shapeError(flight, table));
+    const auto S_world_local = aligner.similarity(keyframe.keyframe->id, 0);
+    ASSERT_TRUE(S_world_local);
+    EXPECT_LT((S_world_local->carry(keyframe.keyframe->T_local_cam).translation() -
+               table.poses.at(keyframe.keyframe->id).T_world_cam.translation())
+                  .norm(),
+              1e-9);
+    before = table;
+  }
+  RecordProperty("worst_error_m", std::to_string(worst_error));
+  EXPECT_LT(worst_error, 0.3);
+  const Alignment last = aligner.solve(flight.segments, flight.quality, flight.cameras);
+  const Alignment at_once = align(flight, 0);
+  for (const auto& [id, entry] : at_once.table.poses)
+    EXPECT_LT((entry.T_world_cam.translation() - last.table.poses.at(id).T_world_cam.translation())
+                  .norm(),
+              0.05);
+}
+
+TEST(Aligner, ASegmentThatNothingCarriesOnWaitsForTheNextDraft) {
+  auto plans = threeUavs();
+  plans.resize(2);
+  plans[0].cuts = {7};
+  plans[1].cuts = {};
+  const Simulation flight = FlightSimulator(sparse(), 7).fly(plans);
+  AlignOptions options;
+  options.growth = 2;
+  Aligner aligner(options, 0);
+  std::set<FrameId> known;
+  const std::vector<GeoKeyframe> order = byTurns(flight);
+  PoseTable table;
+  for (const GeoKeyframe& keyframe : order) {
+    aligner.push(keyframe);
+    known.insert(keyframe.keyframe->id);
+    if (known.size() % 6 == 0)
+      table = aligner.update(segmentsOf(flight, known), flight.quality, flight.cameras);
+    // Drafts at 6, 12 and 24 photos; the new segment begins with photo 7 of the first UAV.
+    if (known.size() == 18) {
+      EXPECT_EQ(table.poses.count({0, 6}), 1u);
+      EXPECT_EQ(table.poses.count({0, 7}), 0u);
+      EXPECT_EQ(table.poses.count({1, 8}), 1u);
+      EXPECT_FALSE(aligner.similarity({0, 8}, 1));
+    }
+  }
+  EXPECT_EQ(table.poses.size(), 24u);
+  EXPECT_TRUE(aligner.similarity({0, 8}, 1));
+}
+
 TEST(Aligner, IsDeterministic) {
   auto plans = threeUavs();
   plans.resize(2);

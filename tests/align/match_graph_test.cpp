@@ -130,6 +130,25 @@ TEST(BuildTracks, AreTheGroundPoints) {
   EXPECT_GT(static_cast<double>(pure), 0.985 * static_cast<double>(tracks.size()));
 }
 
+TEST(BuildTracks, OfSomePhotosAreThoseOfAGraphWithoutTheOthers) {
+  const Simulation flight = FlightSimulator({}, 4).fly({shortLine()});
+  const std::set<FrameId> some{photo(0), photo(1), photo(3)};
+  MatchGraph all = graphOf(flight), few{MatchGraphOptions{}};
+  for (const GeoKeyframe& k : flight.keyframes)
+    if (some.count(k.keyframe->id) > 0) few.add(k.keyframe);
+  all.match(
+      {{photo(0), photo(1)}, {photo(0), photo(2)}, {photo(1), photo(2)}, {photo(1), photo(3)}});
+  few.match({{photo(0), photo(1)}, {photo(1), photo(3)}});
+  const auto p = buildTracks(all, some), q = buildTracks(few);
+  ASSERT_GT(p.size(), 300u);
+  ASSERT_EQ(p.size(), q.size());
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    ASSERT_EQ(p[i].size(), q[i].size());
+    for (std::size_t k = 0; k < p[i].size(); ++k)
+      EXPECT_TRUE(p[i][k].frame == q[i][k].frame && p[i][k].feature == q[i][k].feature);
+  }
+}
+
 /// Three photos from one place. Feature 0 of the first and feature 1 of the first look both like
 /// feature 0 of the second and third, each to one of them: the first photo is cut from the track,
 /// the second and third keep it.

@@ -28,8 +28,9 @@ CASES = {  # noise of the fixes [m], flight
     "fixes 1.5 m, one long line": (1.5, LINE),
 }
 SETTLED = 15
-ALIGN_LITTLE_MAP_NOTHING = {"align__method": "homography", "align__max_pairs_per_photo": 1,
-                            "densify__min_overlap": 1, "deliver__html": "false"}
+ALIGN_LITTLE_MAP_NOTHING = {"align__update_every": 0, "align__method": "homography",
+                            "align__max_pairs_per_photo": 1, "densify__min_overlap": 1,
+                            "deliver__html": "false"}
 
 
 def largest_segment(segments):

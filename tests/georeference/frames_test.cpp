@@ -39,16 +39,5 @@ TEST(Frames, LeavingOutTheRotationOfTheEnusIsWrong) {
             1);
 }
 
-TEST(Frames, SimilarityAtCarriesTheKeyframe) {
-  test::Flight draw;
-  const Sim3 S = randomSim3(draw);
-  Eigen::Isometry3d T_local_cam = Eigen::Isometry3d::Identity();
-  T_local_cam.linear() = test::rotationOf(draw.normal3(1));
-  T_local_cam.translation() = draw.normal3(5);
-  const Sim3 found = similarityAt(S.scale, S.carry(T_local_cam), T_local_cam);
-  EXPECT_LT((found.rotation - S.rotation).norm(), 1e-12);
-  EXPECT_LT((found.translation - S.translation).norm(), 1e-9);
-}
-
 }  // namespace
 }  // namespace cf

@@ -68,5 +68,17 @@ TEST_F(Sim3Test, carryKeepsWhatACameraSees) {
   }
 }
 
+TEST_F(Sim3Test, similarityAtIsWhatCarriedThePose) {
+  for (int i = 0; i < 100; ++i) {
+    const Sim3 S_a_b = similarity();
+    Eigen::Isometry3d T_b_cam = Eigen::Isometry3d::Identity();
+    T_b_cam.linear() = rotation();
+    T_b_cam.translation() = point();
+    const Sim3 found = similarityAt(S_a_b.scale, S_a_b.carry(T_b_cam), T_b_cam);
+    EXPECT_LT((found.rotation - S_a_b.rotation).norm(), 1e-12);
+    EXPECT_LT((found.translation - S_a_b.translation).norm(), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace cf

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "homography_alignment.h"
+#include "map_extension.h"
 #include "relative_poses.h"
 #include "track_triangulation.h"
 
@@ -19,7 +20,8 @@ constexpr std::uint32_t kSequenceNeighbours = 3;
 /// Rigid segments leave a seam of this size between the photos of one point [px].
 constexpr double kRigidThresholdPx = 5;
 
-double medianDepth(const Keyframe& photo) {
+/// In VO units; 0 where it has no landmark.
+double medianDepthOf(const Keyframe& photo) {
   std::vector<float> inverse;
   for (const float value : photo.inverse_depth)
     if (value > 0) inverse.push_back(value);
@@ -29,6 +31,12 @@ double medianDepth(const Keyframe& photo) {
   return 1 / static_cast<double>(*middle);
 }
 
+/// Where a photo is in the map, and metres per VO unit there.
+struct Located {
+  Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
+  double scale = 1;
+};
+
 /// Where a photo is before alignment, as its UAV knows it.
 struct Alone {
   Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
@@ -37,17 +45,6 @@ struct Alone {
   bool georeferenced = false;
   int segment = 0;
 };
-
-void setDepths(std::vector<double> depths, PoseTable::Entry& entry) {
-  if (depths.empty()) return;
-  std::sort(depths.begin(), depths.end());
-  const auto at = [&](double share) {
-    return depths[static_cast<std::size_t>(share * static_cast<double>(depths.size() - 1))];
-  };
-  entry.near_depth_m = at(0.05);
-  entry.median_depth_m = at(0.5);
-  entry.far_depth_m = at(0.95);
-}
 
 AlignOptions withSharedBias(AlignOptions options) {
   options.relative.bias_horizontal_m = options.joint.bias_sigma_horizontal_m;
@@ -60,6 +57,10 @@ AlignOptions withSharedBias(AlignOptions options) {
 void AlignOptions::visit(OptionVisitor& v) {
   v.choice("method", method, {"joint", "homography"},
            "joint: bundle adjustment of all UAVs; homography: the paper's relative poses alone");
+  v.integer("update_every", update_every, {0, 10000},
+            "keyframes between versions of the map during the flight; 0: none before its end");
+  v.number("growth", growth, {1.05, 100},
+           "the whole map is solved anew when it has so many times the photos of the last solve");
   candidates.visit(v);
   pair.visit(v);
   joint.visit(v);
@@ -73,11 +74,30 @@ class Aligner::State {
 
   void push(const GeoKeyframe& keyframe) {
     graph_.add(keyframe.keyframe);
+    median_depth_[keyframe.keyframe->id] = medianDepthOf(*keyframe.keyframe);
     if (keyframe.fix) fixes_[keyframe.keyframe->id] = *keyframe.fix;
   }
 
+  const PoseTable& update(const std::vector<GeoSegment>& segments,
+                          const std::vector<GnssQuality>& quality,
+                          const std::vector<CameraModel>& cameras) {
+    if (static_cast<double>(graph_.photos().size()) >= options_.growth * solved_photos_) {
+      Alignment draft = solve(segments, quality, cameras, true);
+      map_.scales = scalesInMap(graph_, draft.table, draft.points);
+      map_.table = std::move(draft.table);
+      solved_photos_ = static_cast<double>(graph_.photos().size());
+    } else {
+      extend(segments, quality);
+    }
+    return map_.table;
+  }
+
+  std::optional<Sim3> similarity(FrameId photo, int segment) const {
+    return similarityInMap(graph_, map_, photo, segment);
+  }
+
   Alignment solve(const std::vector<GeoSegment>& segments, const std::vector<GnssQuality>& quality,
-                  const std::vector<CameraModel>& cameras) {
+                  const std::vector<CameraModel>& cameras, bool draft) {
     const std::map<FrameId, Alone> alone = aloneOf(segments, quality);
     const PairViews views = viewsOf(alone);
     matchNeighbours();
@@ -96,8 +116,7 @@ class Aligner::State {
     };
     Placement placement = place();
     // Joined photos lie better than GNSS alone could tell: overlaps that it missed show now.
-    matchCandidates(footprints(placement, alone));
-    placement = place();
+    if (matchCandidates(footprints(alone, locatedBy(placement)))) placement = place();
 
     out.relative = placement.relative;
     out.components = placement.components;
@@ -106,9 +125,9 @@ class Aligner::State {
     if (options_.method == "homography")
       keepRigid(placement, out);
     else
-      adjust(placement, quality, out);
+      adjust(placement, quality, draft, out);
     addPoses(placement, out);
-    addRelativePoses(views, placement, observed, out);
+    if (!draft) addRelativePoses(views, placement, observed, out);
     return out;
   }
 
@@ -147,6 +166,28 @@ class Aligner::State {
     return fixes;
   }
 
+  /// Between solves of the whole: photos that have come since.
+  void extend(const std::vector<GeoSegment>& segments, const std::vector<GnssQuality>& quality) {
+    std::vector<FrameId> fresh;
+    for (const auto& [id, photo] : graph_.photos())
+      if (map_.table.poses.count(id) == 0) fresh.push_back(id);
+    matchNeighbours();
+    const std::vector<FrameId> carried = carryOn(graph_, fresh, map_);
+    std::map<FrameId, Located> located;
+    for (const auto& [id, scale] : map_.scales)
+      located[id] = {map_.table.poses.at(id).T_world_cam, scale};
+    const std::vector<Footprint> all = footprints(aloneOf(segments, quality), located);
+    CandidateIndex index(options_.candidates);
+    index.rebuild(all);
+    std::vector<MatchGraph::Pair> pairs;
+    for (const Footprint& footprint : all)
+      if (std::binary_search(carried.begin(), carried.end(), footprint.frame))
+        for (const CandidatePair& c : index.query(footprint)) pairs.emplace_back(c.a, c.b);
+    graph_.match(pairs);
+    if (options_.method == "joint") adjustAround(graph_, carried, options_.joint, map_);
+    map_.table.version = ++version_;
+  }
+
   void matchNeighbours() {
     std::vector<MatchGraph::Pair> pairs;
     for (const auto& [id, photo] : graph_.photos())
@@ -157,46 +198,52 @@ class Aligner::State {
     graph_.match(pairs);
   }
 
-  void matchCandidates(const std::vector<Footprint>& footprints) {
+  /// Whether any became connected that was not before.
+  bool matchCandidates(const std::vector<Footprint>& footprints) {
     std::vector<MatchGraph::Pair> pairs;
     for (const CandidatePair& c : findCandidates(footprints, options_.candidates))
       pairs.emplace_back(c.a, c.b);
-    graph_.match(pairs);
+    return graph_.match(pairs);
   }
 
-  std::vector<Footprint> footprints(const std::map<FrameId, Alone>& alone) const {
+  /// Photos that are `located` in the map lie better than GNSS alone can tell.
+  std::vector<Footprint> footprints(const std::map<FrameId, Alone>& alone,
+                                    const std::map<FrameId, Located>& located = {}) const {
     std::vector<Footprint> out;
     for (const auto& [id, a] : alone) {
-      const double depth = medianDepth(graph_.photo(id)) * a.scale;
-      out.push_back(a.georeferenced && depth > 0
-                        ? predictFootprint(id, a.segment, a.T_world_cam, graph_.photo(id).camera,
-                                           depth, a.sigma_m)
-                        : unlocatedFootprint(id, a.segment));
+      const CameraModel& camera = graph_.photo(id).camera;
+      const auto in_map = located.find(id);
+      const double scale = in_map != located.end() ? in_map->second.scale : a.scale;
+      const double depth = medianDepth(id) * scale;
+      if (depth > 0 && in_map != located.end())
+        out.push_back(predictFootprint(id, a.segment, in_map->second.T_world_cam, camera, depth,
+                                       0.05 * depth));
+      else if (depth > 0 && a.georeferenced)
+        out.push_back(predictFootprint(id, a.segment, a.T_world_cam, camera, depth, a.sigma_m));
+      else
+        out.push_back(unlocatedFootprint(id, a.segment));
     }
     return out;
   }
 
-  std::vector<Footprint> footprints(const Placement& placement,
-                                    const std::map<FrameId, Alone>& alone) const {
-    std::vector<Footprint> out = footprints(alone);
-    for (Footprint& footprint : out) {
-      const auto placed = placement.photos.find(footprint.frame);
-      if (placed == placement.photos.end() || placed->second.component != 0) continue;
-      const double depth = medianDepth(graph_.photo(footprint.frame)) * placed->second.scale;
-      if (depth > 0)
-        footprint = predictFootprint(footprint.frame, footprint.segment, placed->second.T_world_cam,
-                                     graph_.photo(footprint.frame).camera, depth, 0.05 * depth);
-    }
-    return out;
+  static std::map<FrameId, Located> locatedBy(const Placement& placement) {
+    std::map<FrameId, Located> located;
+    for (const auto& [id, placed] : placement.photos)
+      if (placed.component == 0) located[id] = {placed.T_world_cam, placed.scale};
+    return located;
   }
 
-  void adjust(const Placement& placement, const std::vector<GnssQuality>& quality, Alignment& out) {
+  double medianDepth(FrameId id) const { return median_depth_.at(id); }
+
+  void adjust(const Placement& placement, const std::vector<GnssQuality>& quality, bool draft,
+              Alignment& out) {
     const std::vector<Track> tracks = buildTracks(graph_);
     const std::map<FrameId, GnssPosition> fixes = weighedFixes(quality);
     std::set<std::uint16_t> calibrated;
     for (int component = 0; component < placement.components; ++component) {
       JointProblem problem;
       problem.cameras = out.table.cameras;
+      problem.draft = draft;
       std::vector<double> depths;
       for (const auto& [id, placed] : placement.photos) {
         if (placed.component != component) continue;
@@ -204,7 +251,7 @@ class Aligner::State {
         const auto fix = fixes.find(id);
         if (fix != fixes.end() && !placement.relative) photo.fix = fix->second;
         problem.photos.push_back(photo);
-        const double depth = medianDepth(graph_.photo(id)) * placed.scale;
+        const double depth = medianDepth(id) * placed.scale;
         if (depth > 0) depths.push_back(depth);
       }
       if (problem.photos.size() < 2 || depths.empty()) continue;
@@ -250,12 +297,7 @@ class Aligner::State {
       if (out.table.poses.count(id) == 0)
         out.table.poses[id] = {
             placed.T_world_cam, Eigen::Matrix<double, 6, 6>::Zero(), placed.component, 0, 0, 0};
-    std::map<FrameId, std::vector<double>> depths;
-    for (const SparsePoint& point : out.points)
-      for (const auto& o : point.observations)
-        depths[o.frame].push_back(
-            (out.table.poses.at(o.frame).T_world_cam.inverse() * point.position_m).z());
-    for (auto& [id, entry] : out.table.poses) setDepths(std::move(depths[id]), entry);
+    setDepths(out.points, out.table);
   }
 
   void addRelativePoses(const PairViews& views, const Placement& placement,
@@ -288,6 +330,9 @@ class Aligner::State {
   const std::uint16_t center_;
   MatchGraph graph_;
   std::map<FrameId, GnssPosition> fixes_;
+  std::map<FrameId, double> median_depth_;  ///< of each photo's landmarks, VO units
+  GrowingMap map_;
+  double solved_photos_ = 0;  ///< in the graph when the whole was last solved
   std::uint32_t version_ = 0;
 };
 
@@ -295,10 +340,18 @@ Aligner::Aligner(const AlignOptions& options, std::uint16_t center)
     : state_(std::make_unique<State>(options, center)) {}
 Aligner::~Aligner() = default;
 void Aligner::push(const GeoKeyframe& keyframe) { state_->push(keyframe); }
+const PoseTable& Aligner::update(const std::vector<GeoSegment>& segments,
+                                 const std::vector<GnssQuality>& quality,
+                                 const std::vector<CameraModel>& cameras) {
+  return state_->update(segments, quality, cameras);
+}
+std::optional<Sim3> Aligner::similarity(FrameId photo, int segment) const {
+  return state_->similarity(photo, segment);
+}
 Alignment Aligner::solve(const std::vector<GeoSegment>& segments,
                          const std::vector<GnssQuality>& quality,
                          const std::vector<CameraModel>& cameras) {
-  return state_->solve(segments, quality, cameras);
+  return state_->solve(segments, quality, cameras, false);
 }
 
 }  // namespace cf

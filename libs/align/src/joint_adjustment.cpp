@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <memory>
 
 #include "joint_residuals.h"
@@ -31,7 +30,8 @@ struct Round {
   double threshold_px, loss_sigmas;
   bool fine;  ///< observations weigh what their residuals are worth, chains of features join in
 };
-constexpr Round kRounds[] = {{30, 6, false}, {8, 3, false}, {3, 3, true}, {3, 3, true}};
+const std::vector<Round> kRounds = {{30, 6, false}, {8, 3, false}, {3, 3, true}, {3, 3, true}};
+const std::vector<Round> kDraftRounds = {{30, 6, false}, {8, 3, false}};
 
 void addPrior(ceres::Problem& problem, double* block, const std::vector<double>& mean,
               const std::vector<double>& sigma, ceres::LossFunction* loss = nullptr) {
@@ -125,8 +125,7 @@ class Adjustment {
         observe(problem, o, points[links.size() + i].data(), noise_.aligned(), loss);
     addPosePriors(problem);
     addLensPriors(problem);
-    for (std::size_t u = 0; u < lenses_.size(); ++u)
-      if (problem.HasParameterBlock(lenses_[u].data())) hold(u, problem);
+    hold(problem);
 
     ceres::Solver::Options solver;
     solver.linear_solver_type = poses_.size() < 100 ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
@@ -219,9 +218,12 @@ class Adjustment {
   }
 
   void addPosePriors(ceres::Problem& problem) {
-    const double n = std::sqrt(static_cast<double>(problem_.photos.size()));
+    const auto free = std::count_if(problem_.photos.begin(), problem_.photos.end(),
+                                    [](const JointPhoto& photo) { return !photo.held; });
+    const double n = std::sqrt(static_cast<double>(free));
     std::map<std::uint16_t, Eigen::Vector3d> noise;  // of the worst fix of each UAV
     for (const JointPhoto& photo : problem_.photos) {
+      if (photo.held) continue;
       PoseBlock& pose = *poses_.at(photo.id);
       // What is given counts once for the whole component, as one observation of 3 degrees and of
       // a fifth of the depth: enough for what nothing else observes, nothing against what does.
@@ -281,16 +283,23 @@ class Adjustment {
     if (!(c.focal_sigma > 0)) held.push_back(0);
     if (!(c.k1_sigma > 0)) held.push_back(1);
     if (!(c.k2_sigma > 0)) held.push_back(2);
-    if (held.size() == 3 || !options_.refine_cameras) held = {0, 1, 2, 3, 4, 5, 6};
+    if (held.size() == 3 || !options_.refine_cameras || problem_.cameras_held)
+      held = {0, 1, 2, 3, 4, 5, 6};
     return held;
   }
 
-  void hold(std::size_t uav, ceres::Problem& problem) {
-    const std::vector<int> held = heldOf(uav);
-    if (held.size() == kLens)
-      problem.SetParameterBlockConstant(lenses_[uav].data());
-    else if (!held.empty())
-      problem.SetManifold(lenses_[uav].data(), new ceres::SubsetManifold(kLens, held));
+  void hold(ceres::Problem& problem) {
+    for (std::size_t uav = 0; uav < lenses_.size(); ++uav) {
+      if (!problem.HasParameterBlock(lenses_[uav].data())) continue;
+      const std::vector<int> held = heldOf(uav);
+      if (held.size() == kLens)
+        problem.SetParameterBlockConstant(lenses_[uav].data());
+      else if (!held.empty())
+        problem.SetManifold(lenses_[uav].data(), new ceres::SubsetManifold(kLens, held));
+    }
+    for (const JointPhoto& photo : problem_.photos)
+      if (double* pose = poses_.at(photo.id)->data(); photo.held && problem.HasParameterBlock(pose))
+        problem.SetParameterBlockConstant(pose);
   }
 
   const MatchGraph& graph_;
@@ -329,13 +338,15 @@ void JointOptions::visit(OptionVisitor& v) {
   v.choice("camera", camera, {"per_uav", "shared"},
            "UAVs with the same camera model: a lens each, near one another, or one for all");
   v.flag("refine_cameras", refine_cameras, "focal length and distortion of each UAV");
-  v.integer("max_iterations", max_iterations, {1, 500}, "of each of the four rounds");
+  v.integer("max_iterations", max_iterations, {1, 500}, "of each round");
 }
 
 JointSolution adjustJointly(const MatchGraph& graph, const std::vector<Track>& tracks,
                             const JointProblem& problem, const JointOptions& options) {
   Adjustment adjustment(graph, tracks, problem, options);
-  for (const Round& round : kRounds) adjustment.improve(round, &round == std::end(kRounds) - 1);
+  const std::vector<Round>& rounds = problem.draft ? kDraftRounds : kRounds;
+  for (const Round& round : rounds)
+    adjustment.improve(round, !problem.draft && &round == &rounds.back());
   return adjustment.solution();
 }
 

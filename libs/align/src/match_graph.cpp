@@ -21,7 +21,7 @@ void MatchGraph::add(std::shared_ptr<const Keyframe> keyframe) {
   photos_[id] = std::move(keyframe);
 }
 
-void MatchGraph::match(const std::vector<Pair>& pairs) {
+bool MatchGraph::match(const std::vector<Pair>& pairs) {
   std::vector<Pair> todo;
   for (const Pair& pair : pairs)
     if (tried_.emplace(pair, true).second) todo.push_back(pair);
@@ -40,18 +40,28 @@ void MatchGraph::match(const std::vector<Pair>& pairs) {
     for (std::size_t i = 0; i < raw.size(); ++i)
       if (keep[i]) results[k].push_back(raw[i]);
   });
+  bool connected = false;
   for (std::size_t k = 0; k < todo.size(); ++k)
-    if (static_cast<int>(results[k].size()) >= options_.min_inliers)
+    if (static_cast<int>(results[k].size()) >= options_.min_inliers) {
       pairs_[todo[k]] = std::move(results[k]);
+      connected = true;
+    }
+  return connected;
 }
 
 std::vector<Track> buildTracks(const MatchGraph& graph) {
+  std::set<FrameId> photos;
+  for (const auto& [id, keyframe] : graph.photos()) photos.insert(id);
+  return buildTracks(graph, photos);
+}
+
+std::vector<Track> buildTracks(const MatchGraph& graph, const std::set<FrameId>& photos) {
   // Features numbered photo after photo; union-find with the smaller root winning.
   std::map<FrameId, int> first;
   int total = 0;
-  for (const auto& [id, keyframe] : graph.photos()) {
+  for (const FrameId id : photos) {
     first[id] = total;
-    total += static_cast<int>(keyframe->features->size());
+    total += static_cast<int>(graph.photo(id).features->size());
   }
   std::vector<int> parent(static_cast<std::size_t>(total));
   std::iota(parent.begin(), parent.end(), 0);
@@ -63,14 +73,17 @@ std::vector<Track> buildTracks(const MatchGraph& graph) {
     }
     return i;
   };
-  for (const auto& [pair, matches] : graph.pairs())
+  for (const auto& [pair, matches] : graph.pairs()) {
+    const auto a = first.find(pair.first), b = first.find(pair.second);
+    if (a == first.end() || b == first.end()) continue;
     for (const FeatureMatch& m : matches) {
-      const int ra = root(first.at(pair.first) + m.a), rb = root(first.at(pair.second) + m.b);
+      const int ra = root(a->second + m.a), rb = root(b->second + m.b);
       if (ra != rb) parent[static_cast<std::size_t>(std::max(ra, rb))] = std::min(ra, rb);
     }
+  }
   std::map<int, Track> components;
-  for (const auto& [id, keyframe] : graph.photos())
-    for (int f = 0; f < static_cast<int>(keyframe->features->size()); ++f)
+  for (const FrameId id : photos)
+    for (int f = 0; f < static_cast<int>(graph.photo(id).features->size()); ++f)
       components[root(first.at(id) + f)].push_back({id, f});
   std::vector<Track> tracks;
   for (auto& [key, track] : components) {

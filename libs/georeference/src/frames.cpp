@@ -10,13 +10,4 @@ Sim3 localToCentralLocal(const Sim3& S_w0_l0, const Eigen::Isometry3d& T_w0_wk,
   return S_w0_l0.inverse() * S_w0_wk * S_wk_lk;
 }
 
-Sim3 similarityAt(double scale, const Eigen::Isometry3d& T_world_cam,
-                  const Eigen::Isometry3d& T_local_cam) {
-  Sim3 S;
-  S.scale = scale;
-  S.rotation = T_world_cam.linear() * T_local_cam.linear().transpose();
-  S.translation = T_world_cam.translation() - scale * (S.rotation * T_local_cam.translation());
-  return S;
-}
-
 }  // namespace cf

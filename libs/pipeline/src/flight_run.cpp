@@ -4,17 +4,16 @@
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <limits>
+#include <deque>
 #include <opencv2/core/utility.hpp>
 #include <optional>
 #include <thread>
 
+#include "central_node.h"
 #include "cf/base/error.h"
 #include "cf/base/log.h"
-#include "cf/base/progress.h"
 #include "cf/config/config.h"
 #include "cf/deliver/deliver.h"
 #include "cf/formats/atomic_file.h"
@@ -25,6 +24,7 @@
 #include "cf/view/render.h"
 #include "dense_mapping.h"
 #include "gnss_disagreement.h"
+#include "playback.h"
 #include "uav_chain.h"
 
 namespace cf {
@@ -112,11 +112,10 @@ class FlightRun {
 
   RunRecord run() {
     const double started = wallSeconds();
-    std::vector<ChainResult> chains = play();
-    const Alignment alignment = align(chains);
+    const Alignment alignment = localise();
     const DenseSummary dense =
         mapDensely(photos(), alignment, grid_, options_, request_.outdir, times_);
-    collect(std::move(chains), alignment, dense);
+    collect(alignment, dense);
     record_.wall_s = wallSeconds() - started;
     deliverAll(dense);
     return std::move(record_);
@@ -159,43 +158,26 @@ class FlightRun {
     grid_ = GridFrame(*world_, first->datum);
   }
 
-  /// UAV chains side by side; each is independent of all others.
-  std::vector<ChainResult> play() {
-    TimeNs first_time = std::numeric_limits<TimeNs>::max();
-    for (const UavRecording& r : recordings_)
-      if (!r.photos.empty()) first_time = std::min(first_time, r.photos.front().time);
-    std::vector<ChainResult> chains(recordings_.size());
-    Progress progress("localise", photos_);
-    tbb::parallel_for(std::size_t{0}, recordings_.size(), [&](std::size_t u) {
-      chains[u] = playUav(recordings_[u], options_.uavs[u].name, static_cast<std::uint16_t>(u),
-                          world_, options_, first_time, times_, progress);
-    });
-    return chains;
-  }
-
-  Alignment align(const std::vector<ChainResult>& chains) {
-    const StageTimes::Scope scope(times_, "align", CpuClock::kProcess);
-    Aligner aligner(options_.align, center_);
-    std::vector<GeoSegment> segments;
-    std::vector<GnssQuality> quality;
+  /// All photos through their UAVs' chains to the centre.
+  Alignment localise() {
+    std::deque<UavChain> chains;
     std::vector<CameraModel> cameras;
-    for (std::size_t u = 0; u < chains.size(); ++u) {
-      for (const GeoKeyframe& keyframe : chains[u].keyframes) {
-        aligner.push(keyframe);
-        record_.bytes_over_seam += encodedSize(keyframe);
-      }
-      segments.insert(segments.end(), chains[u].segments.begin(), chains[u].segments.end());
-      quality.push_back(chains[u].record.gnss);
+    for (std::size_t u = 0; u < recordings_.size(); ++u) {
       const auto& all = recordings_[u].photos;
       cameras.push_back(all.empty() ? CameraModel{} : all.front().camera);
+      chains.emplace_back(recordings_[u], options_.uavs[u].name, static_cast<std::uint16_t>(u),
+                          world_, options_, times_);
     }
-    return aligner.solve(segments, quality, cameras);
-  }
-
-  /// What a keyframe needs on the wire: descriptors, pixels, inverse depths and scales.
-  static std::uint64_t encodedSize(const GeoKeyframe& keyframe) {
-    constexpr std::uint64_t kPerFeature = FeatureSet::kDescriptorSize + 2 * 4 + 4 + 4 + 3;
-    return keyframe.keyframe->features->size() * kPerFeature + 512;
+    CentralNode centre(options_.align, center_, cameras, times_);
+    arrival_s_ = playFlight(recordings_, chains, options_.playback.rate, centre);
+    Alignment alignment = centre.finish();
+    record_.bytes_over_seam = centre.bytesReceived();
+    for (std::size_t u = 0; u < chains.size(); ++u) {
+      record_.uavs.push_back(chains[u].record());
+      record_.uavs.back().online_trajectory = centre.onlineTrajectories()[u];
+      record_.uavs.back().camera_before = cameras[u];
+    }
+    return alignment;
   }
 
   std::vector<std::vector<ImageFrame>> photos() const {
@@ -204,18 +186,16 @@ class FlightRun {
     return all;
   }
 
-  void collect(std::vector<ChainResult> chains, const Alignment& alignment,
-               const DenseSummary& dense) {
+  void collect(const Alignment& alignment, const DenseSummary& dense) {
     record_.components = alignment.components;
     record_.relative_poses = alignment.relative_poses;
     record_.sparse_points = alignment.points;
-    for (std::size_t u = 0; u < chains.size(); ++u) {
-      UavRecord& uav = chains[u].record;
+    for (std::size_t u = 0; u < record_.uavs.size(); ++u) {
+      UavRecord& uav = record_.uavs[u];
       for (std::uint32_t i = 0; i < uav.photos.size(); ++i)
         settle(uav, {static_cast<std::uint16_t>(u), i}, alignment);
       for (const auto& [id, finished] : dense.finished_s)
-        if (id.uav == u) record_.latencies_s.push_back(finished - chains[u].arrival_s[id.index]);
-      if (!uav.photos.empty()) uav.camera_before = recordings_[u].photos.front().camera;
+        if (id.uav == u) record_.latencies_s.push_back(finished - arrival_s_[u][id.index]);
       uav.camera_after = alignment.table.cameras[u];
       const auto bias = alignment.gnss_bias_m.find(static_cast<std::uint16_t>(u));
       if (bias != alignment.gnss_bias_m.end()) uav.gnss.bias_m = bias->second;
@@ -224,7 +204,6 @@ class FlightRun {
             fmt::format("{}: its GNSS is not trusted: residuals of {:.1f} m horizontally and "
                         "{:.1f} m vertically against the photos",
                         uav.name, uav.gnss.sigma_m.head<2>().norm(), uav.gnss.sigma_m.z()));
-      record_.uavs.push_back(std::move(uav));
     }
     for (const std::string& line : gnssDisagreements(record_.uavs)) warn(line);
     if (alignment.components > 1)
@@ -277,6 +256,7 @@ class FlightRun {
   std::optional<LocalFrame> world_;
   GridFrame grid_;
   StageTimes times_;
+  std::vector<std::vector<double>> arrival_s_;  ///< by UAV and photo
   RunRecord record_;
 };
 

@@ -5,9 +5,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "cf/base/progress.h"
 #include "cf/base/stopwatch.h"
 #include "cf/deliver/run_record.h"
 #include "cf/geodesy/local_frame.h"
@@ -18,18 +18,64 @@
 
 namespace cf {
 
-/// What one UAV's chain hands over the seam at the end of playback, and what is told of it.
-struct ChainResult {
-  std::vector<GeoKeyframe> keyframes;
-  std::vector<GeoSegment> segments;
-  UavRecord record;               ///< all but what only the centre knows: final poses, camera after
-  std::vector<double> arrival_s;  ///< wall time at which each photo was taken up, by photo
+/// A photo decoded and searched for features, ready for odometry.
+struct ReadyPhoto {
+  ImageFrame frame;  ///< without pixels
+  PreparedPhoto photo;
+  std::string damage;  ///< why it cannot be used; empty: it can
 };
 
-/// Plays one UAV's recording through odometry and georeference: the part of the system that can
-/// run aboard. Without a `world` (no fix at all) everything stays in local frames.
-ChainResult playUav(const UavRecording& recording, const std::string& name, std::uint16_t uav,
-                    const std::optional<LocalFrame>& world, const RunOptions& options,
-                    TimeNs first_time, StageTimes& times, Progress& progress);
+/// What a UAV hands over the seam when one of its photos has been processed, or at the end.
+struct ChainStep {
+  std::uint16_t uav = 0;
+  std::vector<GeoKeyframe> keyframes;  ///< that became final
+  /// All of the UAV's segments as it knows them alone, those of its newest keyframe last.
+  std::shared_ptr<const std::vector<GeoSegment>> segments;
+  GnssQuality gnss;
+  /// The photo itself, before it is final: its segment and pose there. None if it is damaged.
+  struct Newest {
+    FrameId photo;
+    int segment = 0;
+    Eigen::Isometry3d T_local_cam = Eigen::Isometry3d::Identity();
+    std::optional<Eigen::Isometry3d> T_world_cam;  ///< as the UAV knows it alone
+  };
+  std::optional<Newest> newest;
+};
+
+/// One UAV's odometry and georeference: the part of the system that can run aboard.
+class UavChain {
+ public:
+  /// Without a `world` (no fix at all) everything stays in local frames. What is given by
+  /// reference must outlive the chain.
+  UavChain(const UavRecording& recording, const std::string& name, std::uint16_t uav,
+           const std::optional<LocalFrame>& world, const RunOptions& options, StageTimes& times);
+
+  /// Needs nothing of the photos before: may run for several at a time, and beside push().
+  std::shared_ptr<ReadyPhoto> prepare(std::uint32_t photo) const;
+  /// In order.
+  ChainStep push(ReadyPhoto& photo);
+  /// What is left after the last photo.
+  ChainStep finish();
+  /// After finish(): all that is told of the UAV but what only the centre knows (poses in the map,
+  /// camera after).
+  UavRecord record();
+
+ private:
+  void addFixesUntil(TimeNs time);
+  void georeference(const std::vector<std::shared_ptr<const Keyframe>>& keyframes, ChainStep& step);
+  void collect(std::vector<GeoKeyframe> keyframes, ChainStep& step);
+  ChainStep::Newest newest(FrameId id);
+
+  const UavRecording& recording_;
+  const RunOptions& options_;
+  StageTimes& times_;
+  const std::uint16_t uav_;
+  Odometry odometry_;
+  Georeferencer georeferencer_;
+  const bool has_world_;
+  std::size_t next_fix_ = 0;
+  std::map<FrameId, Eigen::Isometry3d> local_;
+  UavRecord record_;
+};
 
 }  // namespace cf

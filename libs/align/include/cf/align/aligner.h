@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,14 @@
 #include "cf/align/segment_joining.h"
 #include "cf/base/options.h"
 #include "cf/types/pose_table.h"
+#include "cf/types/sim3.h"
 
 namespace cf {
 
 struct AlignOptions {
   std::string method = "joint";  ///< homography: the paper's relative poses alone
+  int update_every = 8;  ///< keyframes between versions of the map during the flight; 0: none
+  double growth = 1.5;   ///< of the photos since the last solve of the whole, for the next
   CandidateOptions candidates;
   PairOptions pair;
   JointOptions joint;
@@ -45,15 +49,25 @@ struct Alignment {
 /// - homography: the paper's relative poses, equations (7)-(9), move each segment as a whole
 ///   (relative_pose_optimisation.h); cameras stay, points are triangulated from the result.
 /// Either way the strongest relative poses between UAVs are observed and reported. Keyframes are
-/// collected; solve() may be called at any time, each time with the newest georeference, and
-/// repeats no matching.
+/// collected; pairs are matched once, however often the map is brought up to date.
 class Aligner {
  public:
   Aligner(const AlignOptions& options, std::uint16_t center);
   ~Aligner();
 
   void push(const GeoKeyframe& keyframe);
-  /// `segments` of all UAVs; `quality` and `cameras` by UAV.
+  /// The next version of the map during the flight. Photos new to it are carried on from their
+  /// segment, matched, and adjusted with those around them, at a cost that does not grow with the
+  /// map (map_extension.h); each time the map has grown by `growth`, all of it is solved anew, in a
+  /// draft: together these cost as much as a few solves of the last. Photos that nothing in the map
+  /// carries on wait for the next draft. `segments` of all UAVs; `quality` and `cameras` by UAV.
+  const PoseTable& update(const std::vector<GeoSegment>& segments,
+                          const std::vector<GnssQuality>& quality,
+                          const std::vector<CameraModel>& cameras);
+  /// From the local frame of a segment of the photo's UAV to the newest version, at the newest
+  /// photo of the segment, up to this, that is in it; none where there is none.
+  std::optional<Sim3> similarity(FrameId photo, int segment) const;
+  /// The whole map from all that has been pushed, whatever earlier versions were like.
   Alignment solve(const std::vector<GeoSegment>& segments, const std::vector<GnssQuality>& quality,
                   const std::vector<CameraModel>& cameras);
 

@@ -36,16 +36,20 @@ struct JointPhoto {
   FrameId id;
   Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
   std::optional<GnssPosition> fix;  ///< sigma as estimated for its UAV
+  bool held = false;                ///< sees points, but stays where it is
 };
 
 struct JointProblem {
   std::vector<JointPhoto> photos;    ///< all of one component
   std::vector<CameraModel> cameras;  ///< by UAV
   double median_depth_m = 0;         ///< for the scale of the weak priors
+  bool cameras_held = false;
+  /// For a map that a later one replaces: detections alone (a third of the time), no covariances.
+  bool draft = false;
 };
 
 struct JointSolution {
-  std::map<FrameId, Eigen::Isometry3d> T_world_cam;
+  std::map<FrameId, Eigen::Isometry3d> T_world_cam;  ///< held ones too
   /// Translation [m] and rotation vector [rad], both in world; no entry where it is not determined.
   std::map<FrameId, Eigen::Matrix<double, 6, 6>> covariance;
   std::vector<CameraModel> cameras;                 ///< by UAV, with sigmas after

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -28,8 +29,8 @@ class MatchGraph {
   explicit MatchGraph(const MatchGraphOptions& options) : options_(options) {}
 
   void add(std::shared_ptr<const Keyframe> keyframe);
-  /// Matches those of `pairs` that have not been tried yet.
-  void match(const std::vector<Pair>& pairs);
+  /// Matches those of `pairs` that have not been tried yet. Whether any became connected.
+  bool match(const std::vector<Pair>& pairs);
 
   const std::map<FrameId, std::shared_ptr<const Keyframe>>& photos() const { return photos_; }
   const Keyframe& photo(FrameId id) const { return *photos_.at(id); }
@@ -53,5 +54,7 @@ using Track = std::vector<SparseObservation>;
 /// Connected features; a component that holds two features of one photo is cut back to the
 /// photos that it holds once. In a fixed order.
 std::vector<Track> buildTracks(const MatchGraph& graph);
+/// The same among some of the photos, as if there were no others.
+std::vector<Track> buildTracks(const MatchGraph& graph, const std::set<FrameId>& photos);
 
 }  // namespace cf

@@ -12,8 +12,4 @@ namespace cf {
 Sim3 localToCentralLocal(const Sim3& S_w0_l0, const Eigen::Isometry3d& T_w0_wk,
                          const Sim3& S_wk_lk);
 
-/// The similarity S_world_local of a segment at one of its keyframes.
-Sim3 similarityAt(double scale, const Eigen::Isometry3d& T_world_cam,
-                  const Eigen::Isometry3d& T_local_cam);
-
 }  // namespace cf

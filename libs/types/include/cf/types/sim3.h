@@ -31,4 +31,15 @@ struct Sim3 {
   }
 };
 
+/// The S_a_b of a given scale that carries T_b_cam to T_a_cam.
+inline Sim3 similarityAt(double scale, const Eigen::Isometry3d& T_a_cam,
+                         const Eigen::Isometry3d& T_b_cam) {
+  Sim3 S_a_b;
+  S_a_b.scale = scale;
+  S_a_b.rotation = T_a_cam.linear() * T_b_cam.linear().transpose();
+  S_a_b.translation =
+      T_a_cam.translation() - scale * (S_a_b.rotation * Eigen::Vector3d(T_b_cam.translation()));
+  return S_a_b;
+}
+
 }  // namespace cf

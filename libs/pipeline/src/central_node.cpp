@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "central_node.h"
+
+#include <utility>
+
+namespace cf {
+namespace {
+
+/// What a keyframe needs on the wire: descriptors, pixels, inverse depths and scales.
+std::uint64_t encodedSize(const GeoKeyframe& keyframe) {
+  constexpr std::uint64_t kPerFeature = FeatureSet::kDescriptorSize + 2 * 4 + 4 + 4 + 3;
+  return keyframe.keyframe->features->size() * kPerFeature + 512;
+}
+
+}  // namespace
+
+CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center,
+                         std::vector<CameraModel> cameras, StageTimes& times)
+    : aligner_(options, center),
+      update_every_(options.update_every),
+      cameras_(std::move(cameras)),
+      times_(times),
+      segments_(cameras_.size()),
+      gnss_(cameras_.size()),
+      online_(cameras_.size()) {}
+
+void CentralNode::receive(ChainStep step) {
+  const StageTimes::Scope scope(times_, "align");
+  if (step.segments) segments_[step.uav] = step.segments;
+  gnss_[step.uav] = step.gnss;
+  for (const GeoKeyframe& keyframe : step.keyframes) {
+    bytes_ += encodedSize(keyframe);
+    aligner_.push(keyframe);
+    ++keyframes_since_update_;
+  }
+  if (update_every_ > 0 && keyframes_since_update_ >= update_every_) {
+    aligner_.update(segments(), gnss_, cameras_);
+    keyframes_since_update_ = 0;
+  }
+  if (!step.newest) return;
+  const ChainStep::Newest& newest = *step.newest;
+  if (const auto S_world_local = aligner_.similarity(newest.photo, newest.segment))
+    online_[step.uav].push_back({newest.photo.index, S_world_local->carry(newest.T_local_cam)});
+  else if (newest.T_world_cam)
+    online_[step.uav].push_back({newest.photo.index, *newest.T_world_cam});
+}
+
+Alignment CentralNode::finish() {
+  const StageTimes::Scope scope(times_, "align", CpuClock::kProcess);
+  return aligner_.solve(segments(), gnss_, cameras_);
+}
+
+std::vector<GeoSegment> CentralNode::segments() const {
+  std::vector<GeoSegment> all;
+  for (const auto& of_uav : segments_)
+    if (of_uav) all.insert(all.end(), of_uav->begin(), of_uav->end());
+  return all;
+}
+
+}  // namespace cf

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cf/align/aligner.h"
+#include "cf/base/stopwatch.h"
+#include "cf/deliver/run_record.h"
+#include "uav_chain.h"
+
+namespace cf {
+
+/// Receives what the UAVs hand over the seam, in time order, and keeps the common map up to date:
+/// a new version every `[align] update_every` keyframes, whatever the time that solving takes.
+class CentralNode {
+ public:
+  /// `cameras` by UAV, as given. `times` must outlive the node.
+  CentralNode(const AlignOptions& options, std::uint16_t center, std::vector<CameraModel> cameras,
+              StageTimes& times);
+
+  void receive(ChainStep step);
+  /// The final map, when all steps have come.
+  Alignment finish();
+
+  /// Each photo's pose as the cluster knew it when the photo had been processed, by UAV: carried on
+  /// from the common map, or, where its segment is not in it yet, as the UAV knew it alone.
+  const std::vector<std::vector<PhotoPose>>& onlineTrajectories() const { return online_; }
+  std::uint64_t bytesReceived() const { return bytes_; }
+
+ private:
+  std::vector<GeoSegment> segments() const;
+
+  Aligner aligner_;
+  const int update_every_;
+  const std::vector<CameraModel> cameras_;
+  StageTimes& times_;
+  std::vector<std::shared_ptr<const std::vector<GeoSegment>>> segments_;  ///< by UAV
+  std::vector<GnssQuality> gnss_;                                         ///< by UAV
+  std::vector<std::vector<PhotoPose>> online_;
+  int keyframes_since_update_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace cf
