@@ -204,26 +204,41 @@ TEST(AdjustJointly, CamerasAreSharedWhereAsked) {
 TEST(AdjustJointly, CovariancesTellTheErrors) {
   JointOptions options;  // these receivers have no bias
   options.bias_sigma_horizontal_m = options.bias_sigma_vertical_m = 0.001;
-  double sum = 0;
+  double sum = 0, sum_in_map = 0;
   int count = 0;
   for (unsigned seed = 21; seed < 27; ++seed) {
     const Simulation flight = FlightSimulator({}, seed).fly(crossing());
     const MatchGraph graph = graphOf(flight);
     const JointSolution solution =
         adjustJointly(graph, buildTracks(graph), problemOf(flight, 0.3, 0.3), options);
+    std::vector<Eigen::Vector3d> truths, estimates;
+    for (const auto& [id, T] : solution.T_world_cam) {
+      truths.push_back(flight.T_world_cam.at(id).translation());
+      estimates.push_back(T.translation());
+    }
+    const auto S = alignPoints(truths, estimates, AlignmentModel::kSim3);
+    ASSERT_TRUE(S);
     for (const auto& [id, T] : solution.T_world_cam) {
       const Eigen::Isometry3d& truth = flight.T_world_cam.at(id);
-      const Eigen::AngleAxisd turn(T.linear() * truth.linear().transpose());
-      Eigen::Matrix<double, 6, 1> error;
-      error << T.translation() - truth.translation(), turn.angle() * turn.axis();
-      const auto& covariance = solution.covariance.at(id);
-      sum += error.dot(covariance.ldlt().solve(error));
+      const auto nees = [&](const Eigen::Isometry3d& pose,
+                            const Eigen::Matrix<double, 6, 6>& covariance) {
+        const Eigen::AngleAxisd turn(pose.linear() * truth.linear().transpose());
+        Eigen::Matrix<double, 6, 1> error;
+        error << pose.translation() - truth.translation(), turn.angle() * turn.axis();
+        return error.dot(covariance.ldlt().solve(error));
+      };
+      const PoseCovariance& covariance = solution.covariance.at(id);
+      sum += nees(T, covariance.in_world);
+      sum_in_map += nees(S->carry(T), covariance.in_map);
       ++count;
     }
   }
   RecordProperty("nees", std::to_string(sum / count));
+  RecordProperty("nees_in_map", std::to_string(sum_in_map / count));
   EXPECT_GT(sum / count, 3.5);
   EXPECT_LT(sum / count, 9);
+  EXPECT_GT(sum_in_map / count, 3.5);
+  EXPECT_LT(sum_in_map / count, 9);
 }
 
 /// A sigma of zero holds a value, all three of them the whole calibration, whatever the photos say.

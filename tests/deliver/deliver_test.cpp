@@ -16,6 +16,7 @@
 #include "cf/base/log.h"
 #include "cf/formats/csv.h"
 #include "cf/formats/ply.h"
+#include "cf/formats/pose_covariance_csv.h"
 #include "cf/formats/tum.h"
 #include "cf/geodesy/local_frame.h"
 
@@ -169,9 +170,10 @@ TEST_F(Deliver, EveryFileOfTheContractIsThere) {
   deliver(makeRun(), dir_);
   for (const char* file :
        {"report.json", "report.html", "world.json", "images/east.csv", "trajectories/east.tum",
-        "trajectories/east.online.tum", "trajectories/east.ecef.csv", "trajectories/all.geojson",
-        "trajectories/all.kml", "cameras/east.ini", "scale/east.csv", "graphs/east.graph",
-        "relative_poses.csv", "cloud/sparse.ply", "odometry/east.tum"})
+        "trajectories/east.online.tum", "trajectories/east.ecef.csv",
+        "trajectories/east.covariance.csv", "trajectories/all.geojson", "trajectories/all.kml",
+        "cameras/east.ini", "scale/east.csv", "graphs/east.graph", "relative_poses.csv",
+        "cloud/sparse.ply", "odometry/east.tum"})
     EXPECT_TRUE(fs::is_regular_file(dir_ / file)) << file;
   for (const auto& entry : fs::recursive_directory_iterator(dir_))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
@@ -230,6 +232,28 @@ TEST_F(Deliver, TrajectoriesJoinWithTheImagesByTheTextOfTheTime) {
     EXPECT_TRUE(poses[i].T_world_cam.isApprox(run.uavs[0].final_trajectory[i].T_world_cam, 1e-7));
     EXPECT_TRUE(online[i].T_world_cam.isApprox(run.uavs[0].online_trajectory[i].T_world_cam, 1e-7));
   }
+}
+
+TEST_F(Deliver, CovariancesComeBack) {
+  RunRecord run = makeRun();
+  PhotoCovariance& known = run.uavs[0].covariances[1];
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) {
+      known.covariance.in_world(i, j) = 1 / (1.0 + i + j);
+      known.covariance.in_map(i, j) = i == j ? 0.01 : 1e-4 * (i + j);
+    }
+  known.component = 2;
+  writeCovariances(run, dir_);
+  const fs::path file = dir_ / "trajectories/east.covariance.csv";
+  EXPECT_EQ(firstLine(file).substr(0, 66),
+            "image,t,component,world_tx_tx,world_tx_ty,world_tx_tz,world_tx_rx,");
+  const auto rows = readPoseCovariances(file);
+  ASSERT_EQ(rows.size(), 1U) << "only where it is known";
+  EXPECT_EQ(rows[0].image, "DJI_0001.JPG");
+  EXPECT_EQ(rows[0].time, run.uavs[0].photos[1].time);
+  EXPECT_EQ(rows[0].component, 2);
+  EXPECT_TRUE(rows[0].covariance.in_world.isApprox(known.covariance.in_world, 1e-8));
+  EXPECT_TRUE(rows[0].covariance.in_map.isApprox(known.covariance.in_map, 1e-8));
 }
 
 // WGS84 by the textbook formulas, independent of libs/geodesy.

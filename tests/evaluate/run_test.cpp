@@ -137,6 +137,35 @@ TEST(EvaluateRun, AMapTooLarge) {
   EXPECT_NEAR(at(f, "/depth/as_is/m/bias"), 0.02 * 50, 0.02);
 }
 
+/// Errors of poses over what is told of them, in the world and after one similarity.
+TEST(EvaluateRun, CovariancesOfPoses) {
+  const json exact = figuresOf({});
+  EXPECT_NEAR(at(exact, "/consistency/world/nees"), 0, 1e-6);
+  EXPECT_EQ(exact["consistency"]["world"]["photos"], 16);
+  EXPECT_EQ(exact["consistency"]["world"]["inside"], false) << "too good to be true";
+
+  Faults faults;
+  faults.map_scale = 1.02;
+  const json scaled = figuresOf(faults);
+  const double error = at(scaled, "/consistency/world/error_m");
+  EXPECT_NEAR(error, 0.02 * 54.6, 0.03);  // as far out as the cameras are
+  EXPECT_NEAR(at(scaled, "/consistency/world/nees"),
+              std::pow(error / SimulatedRun::kPoseSigma_m, 2), 1e-3);
+  EXPECT_EQ(scaled["consistency"]["world"]["inside"], true);
+  EXPECT_NEAR(at(scaled, "/consistency/world/sigma_m"), SimulatedRun::kPoseSigma_m * std::sqrt(3),
+              1e-6);
+  EXPECT_NEAR(at(scaled, "/consistency/map/nees"), 0, 1e-4) << "photos lie well to each other";
+
+  faults = {};
+  faults.shift_b_m = {0, 0, 1};
+  const json shifted = figuresOf(faults);
+  EXPECT_NEAR(at(shifted, "/consistency/world/nees"), 0.5 / std::pow(SimulatedRun::kPoseSigma_m, 2),
+              1e-3);
+  EXPECT_GT(at(shifted, "/consistency/map/nees"), 15) << "they do not";
+  EXPECT_EQ(shifted["consistency"]["map"]["inside"], false);
+  EXPECT_LT(at(shifted, "/consistency/map/photos_within_chi2_95"), 0.9);
+}
+
 TEST(EvaluateRun, OneUavShiftedByAMetre) {
   Faults faults;
   faults.shift_b_m = {0, 0, 1};

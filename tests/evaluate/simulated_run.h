@@ -15,6 +15,7 @@
 #include "cf/formats/csv.h"
 #include "cf/formats/float_raster.h"
 #include "cf/formats/ply.h"
+#include "cf/formats/pose_covariance_csv.h"
 #include "cf/formats/tum.h"
 #include "cf/types/camera_model.h"
 #include "support/temp_folder.h"
@@ -45,6 +46,8 @@ class SimulatedRun {
  public:
   static constexpr double kLocalUnits_m = 7;  ///< metres per VO unit
   static constexpr double kSigma_m = 0.5;
+  /// As told of a pose, in the world and in the map.
+  static constexpr double kPoseSigma_m = 0.4, kPoseSigma_rad = 0.002, kInMap = 0.1;
   static constexpr int kStep = 4;
 
   explicit SimulatedRun(const Faults& faults) : faults_(faults) {
@@ -119,6 +122,7 @@ class SimulatedRun {
   void writeUav(const std::string& uav) {
     const bool second = uav == "b";
     std::vector<TimedPose> estimate, local;
+    std::vector<PoseCovarianceRow> covariances;
     std::string images = "image,t,status,segment,keypoints,matches,inliers,reason\n";
     std::string scale = "t,segment,scale,sigma\n";
     for (int k = 0; k < faults_.photos; ++k) {
@@ -133,6 +137,11 @@ class SimulatedRun {
           fmt::format("{}.jpg,{},{},0,9,9,9,\n", name, timeText(time), lost ? "unposed" : "posed");
       if (lost) continue;
       estimate.push_back({time, wrong(T, second)});
+      PoseCovariance covariance;
+      covariance.in_world.diagonal() << Eigen::Vector3d::Constant(kPoseSigma_m * kPoseSigma_m),
+          Eigen::Vector3d::Constant(kPoseSigma_rad * kPoseSigma_rad);
+      covariance.in_map = kInMap * kInMap * covariance.in_world;
+      covariances.push_back({name + ".jpg", time, 0, covariance});
       Eigen::Isometry3d T_local = T;
       T_local.translation() = (T.translation() - Eigen::Vector3d(9, 8, 7)) / kLocalUnits_m;
       local.push_back({time, T_local});
@@ -144,6 +153,7 @@ class SimulatedRun {
     std::filesystem::create_directories(out() / "trajectories");
     std::filesystem::create_directories(out() / "odometry");
     writeTum(out() / "trajectories" / (uav + ".tum"), estimate);
+    writePoseCovariances(out() / "trajectories" / (uav + ".covariance.csv"), covariances);
     writeTum(out() / "odometry" / (uav + ".tum"), local);
     write(out() / "images" / (uav + ".csv"), images);
     write(out() / "scale" / (uav + ".csv"), scale);

@@ -38,7 +38,7 @@ Sim3 known(double scale) {
 PosePairs movedBy(const Sim3& S) {
   PosePairs pairs;
   for (int k = 0; k < 9; ++k)
-    pairs.pairs.push_back({k < 5 ? "a" : "b", S.inverse().carry(truth(k)), truth(k)});
+    pairs.pairs.push_back({k < 5 ? "a" : "b", S.inverse().carry(truth(k)), truth(k), {}, 0});
   return pairs;
 }
 
@@ -95,7 +95,7 @@ TEST(Trajectory, NothingMatchedOrOneLineIsAnError) {
   for (int k = 0; k < 5; ++k) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translate(Eigen::Vector3d(k, 2 * k, 0));
-    line.pairs.push_back({"a", T, T});
+    line.pairs.push_back({"a", T, T, {}, 0});
   }
   EXPECT_THROW(evaluateTrajectory(line, AlignmentModel::kSe3), RunError);
   EXPECT_NEAR(evaluateTrajectory(line, AlignmentModel::kYaw4).all.max_m, 0, 1e-9);

@@ -10,6 +10,7 @@
 #include "cf/config/config.h"
 #include "cf/formats/csv.h"
 #include "cf/formats/ply.h"
+#include "cf/formats/pose_covariance_csv.h"
 #include "cf/formats/tile_store.h"
 #include "cf/formats/tum.h"
 #include "cf/pipeline/flight_run.h"
@@ -68,8 +69,8 @@ TEST_F(OutputContract, EveryFileIsThere) {
     for (const std::string& file :
          {"images/" + name + ".csv", "trajectories/" + name + ".tum",
           "trajectories/" + name + ".online.tum", "trajectories/" + name + ".ecef.csv",
-          "cameras/" + name + ".ini", "scale/" + name + ".csv", "graphs/" + name + ".graph",
-          "odometry/" + name + ".tum"})
+          "trajectories/" + name + ".covariance.csv", "cameras/" + name + ".ini",
+          "scale/" + name + ".csv", "graphs/" + name + ".graph", "odometry/" + name + ".tum"})
       files.push_back(file);
   for (const std::string& file : files) {
     ASSERT_TRUE(fs::exists(out(file))) << file;
@@ -109,6 +110,8 @@ TEST_F(OutputContract, ImagesAndTrajectoriesGoTogether) {
 
     EXPECT_EQ(firstLine("trajectories/" + uav.name + ".ecef.csv"), "image,t,x,y,z");
     EXPECT_EQ(CsvTable(out("trajectories/" + uav.name + ".ecef.csv")).rows().size(), posed.size());
+    EXPECT_EQ(readPoseCovariances(out("trajectories/" + uav.name + ".covariance.csv")).size(),
+              posed.size());
     EXPECT_EQ(firstLine("scale/" + uav.name + ".csv").substr(0, 21), "t,segment,scale,sigma");
   }
 }

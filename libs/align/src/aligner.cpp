@@ -261,7 +261,7 @@ class Aligner::State {
       JointSolution solution = adjustJointly(graph_, tracks, problem, options_.joint);
       for (const auto& [id, T] : solution.T_world_cam) {
         const auto covariance = solution.covariance.find(id);
-        out.table.poses[id] = {T, Eigen::Matrix<double, 6, 6>::Zero(), component, 0, 0, 0};
+        out.table.poses[id] = {T, {}, component, 0, 0, 0};
         if (covariance != solution.covariance.end())
           out.table.poses[id].covariance = covariance->second;
         // The first, largest component that a UAV is in calibrates its camera.
@@ -295,8 +295,7 @@ class Aligner::State {
   void addPoses(const Placement& placement, Alignment& out) const {
     for (const auto& [id, placed] : placement.photos)
       if (out.table.poses.count(id) == 0)
-        out.table.poses[id] = {
-            placed.T_world_cam, Eigen::Matrix<double, 6, 6>::Zero(), placed.component, 0, 0, 0};
+        out.table.poses[id] = {placed.T_world_cam, {}, placed.component, 0, 0, 0};
     setDepths(out.points, out.table);
   }
 

@@ -12,6 +12,7 @@
 #include "joint_residuals.h"
 #include "observation_noise.h"
 #include "point_choice.h"
+#include "pose_covariance.h"
 #include "posterior.h"
 #include "track_parts.h"
 #include "track_triangulation.h"
@@ -23,6 +24,7 @@ constexpr double kTangentialSigma = 0.002;
 constexpr double kCentreDeviation = 0.25;       ///< between UAVs, of the prior's sigma
 constexpr double kDistortionDeviation = 0.005;  ///< of k1 and k2 between UAVs
 constexpr double kTangentialDeviation = 0.0005;
+constexpr int kDraws = 500;            ///< of the errors of a map: 3 % in a standard deviation
 constexpr double kBiasOverNoise = 10;  ///< a receiver's bias is no more than this times its noise
 
 /// From coarse to fine: what was thrown out while the poses were rough gets its chance again.
@@ -184,30 +186,38 @@ class Adjustment {
     for (auto& point : points) eliminated.push_back(point.data());
     for (PoseBlock& pose : pose_blocks_) kept.push_back(pose.data());
     for (double* block : otherBlocks(problem)) kept.push_back(block);
-    const std::vector<Eigen::MatrixXd> marginals = marginalCovariances(problem, eliminated, kept);
-    for (std::size_t i = 0; i < pose_blocks_.size(); ++i) {
-      const Eigen::MatrixXd& m = marginals[i];
-      if (m.size() == 0) continue;
-      // Ceres' tangent of a quaternion is half a rotation vector, and comes first.
-      Eigen::Matrix<double, 6, 6>& c = pose_covariances_[problem_.photos[i].id];
-      c.topLeftCorner<3, 3>() = m.bottomRightCorner<3, 3>();
-      c.topRightCorner<3, 3>() = 2 * m.bottomLeftCorner<3, 3>();
-      c.bottomLeftCorner<3, 3>() = 2 * m.topRightCorner<3, 3>();
-      c.bottomRightCorner<3, 3>() = 4 * m.topLeftCorner<3, 3>();
-    }
+    // The weights are deflated, the noise of the observations is not.
+    const std::vector<Eigen::MatrixXd> errors =
+        drawErrors(problem, eliminated, kept, 1 / noise_.deflation(), kDraws);
+    if (errors.front().size() == 0) return;
+    keepPoseCovariances(errors);
     std::size_t next = pose_blocks_.size();
     for (std::size_t u = 0; u < lenses_.size(); ++u) {
       if (!problem.HasParameterBlock(lenses_[u].data())) continue;
-      const Eigen::MatrixXd& m = marginals[next++];
+      const Eigen::MatrixXd& e = errors[next++];
       const std::vector<int> held = heldOf(u);
       Lens& sigma = lens_sigmas_[u];
       sigma.fill(0);
-      for (int k = 0, column = 0; k < kLens && m.size() > 0; ++k)
-        if (std::find(held.begin(), held.end(), k) == held.end()) {
-          sigma[static_cast<std::size_t>(k)] = std::sqrt(m(column, column));
-          ++column;
-        }
+      for (int k = 0, row = 0; k < kLens && e.rows() > 0; ++k)
+        if (std::find(held.begin(), held.end(), k) == held.end())
+          sigma[static_cast<std::size_t>(k)] = std::sqrt(e.row(row++).squaredNorm() / kDraws);
     }
+  }
+
+  void keepPoseCovariances(const std::vector<Eigen::MatrixXd>& errors) {
+    std::vector<ErrorDraws> of_poses;
+    std::vector<Eigen::Vector3d> centres;
+    for (std::size_t i = 0; i < pose_blocks_.size(); ++i) {
+      // Ceres' tangent of a quaternion is half a rotation vector, and comes first.
+      ErrorDraws e(6, kDraws);
+      e << errors[i].bottomRows<3>(), 2 * errors[i].topRows<3>();
+      of_poses.push_back(std::move(e));
+      centres.push_back(poseOf(pose_blocks_[i]).translation());
+    }
+    const std::vector<ErrorDraws> in_map = withoutSimilarity(of_poses, centres);
+    for (std::size_t i = 0; i < pose_blocks_.size(); ++i)
+      pose_covariances_[problem_.photos[i].id] = {covarianceOf(of_poses[i]),
+                                                  covarianceOf(in_map[i])};
   }
 
   std::map<FrameId, PosedPhoto> posed() const {
@@ -315,7 +325,7 @@ class Adjustment {
   std::map<Lens, std::size_t> first_with_;  ///< the first UAV that was given a lens
   std::map<Lens, Lens> groups_;             ///< by the lens given
   std::map<std::uint16_t, std::array<double, 3>> biases_;
-  std::map<FrameId, Eigen::Matrix<double, 6, 6>> pose_covariances_;
+  std::map<FrameId, PoseCovariance> pose_covariances_;
   std::map<std::size_t, Lens> lens_sigmas_;  ///< by UAV
 };
 

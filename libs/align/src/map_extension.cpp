@@ -104,7 +104,7 @@ std::vector<FrameId> carryOn(const MatchGraph& graph, const std::vector<FrameId>
     if (!anchor) continue;
     const Sim3 S_world_local = *similarityInMap(graph, map, *anchor, segment);
     PoseTable::Entry entry = map.table.poses.at(*anchor);
-    entry.covariance.setZero();
+    entry.covariance = {};
     entry.T_world_cam = S_world_local.carry(graph.photo(id).T_local_cam);
     map.table.poses[id] = entry;
     map.scales[id] = S_world_local.scale;

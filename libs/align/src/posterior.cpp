@@ -7,7 +7,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <random>
 #include <utility>
 
 namespace cf {
@@ -96,51 +98,18 @@ class ReducedInformation {
   std::map<std::pair<int, int>, Eigen::MatrixXd> sums_;
 };
 
-/// Entries of (L D L^T)^-1 on the pattern of L, diagonal included, column by column from the last.
-SparseMatrix inverseOnPattern(const SparseMatrix& L, const Eigen::VectorXd& D) {
-  SparseMatrix Z = L;
-  const int n = static_cast<int>(L.cols());
-  std::vector<double> sum(static_cast<std::size_t>(n), 0);
-  std::vector<char> wanted(static_cast<std::size_t>(n), 0);
-  const int* outer = Z.outerIndexPtr();
-  const int* inner = Z.innerIndexPtr();
-  double* z = Z.valuePtr();
-  const double* l = L.valuePtr();
-  for (int j = n - 1; j >= 0; --j) {
-    // The pattern of a column below its diagonal is a clique, so all that is needed exists.
-    const int begin = outer[j] + 1, end = outer[j + 1];
-    for (int k = begin; k < end; ++k) wanted[static_cast<std::size_t>(inner[k])] = 1;
-    for (int k = begin; k < end; ++k) {
-      const int column = inner[k];
-      for (int m = outer[column]; m < outer[column + 1]; ++m) {
-        const int row = inner[m];
-        if (wanted[static_cast<std::size_t>(row)] == 0) continue;
-        sum[static_cast<std::size_t>(row)] -= z[m] * l[k];
-        if (row == column) continue;
-        // The entry above the diagonal, by symmetry.
-        const int* found = std::lower_bound(inner + begin, inner + end, row);
-        sum[static_cast<std::size_t>(column)] -= z[m] * l[found - inner];
-      }
-    }
-    double diagonal = 1 / D[j];
-    for (int k = begin; k < end; ++k) {
-      const std::size_t row = static_cast<std::size_t>(inner[k]);
-      z[k] = sum[row];
-      diagonal -= l[k] * z[k];
-      sum[row] = 0;
-      wanted[row] = 0;
-    }
-    z[outer[j]] = diagonal;
-  }
-  return Z;
+/// Standard normal numbers.
+Eigen::MatrixXd drawn(Eigen::Index rows, Eigen::Index columns, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); });
 }
 
 }  // namespace
 
-std::vector<Eigen::MatrixXd> marginalCovariances(ceres::Problem& problem,
-                                                 const std::vector<double*>& points,
-                                                 const std::vector<double*>& blocks) {
-  std::vector<Eigen::MatrixXd> covariances(blocks.size());
+std::vector<Eigen::MatrixXd> drawErrors(ceres::Problem& problem, const std::vector<double*>& points,
+                                        const std::vector<double*>& blocks,
+                                        double observation_variance, int draws) {
+  std::vector<Eigen::MatrixXd> errors(blocks.size());
   ceres::Problem::EvaluateOptions evaluate;
   evaluate.parameter_blocks = points;
   std::vector<int> first_column = {3 * static_cast<int>(points.size())};
@@ -148,30 +117,38 @@ std::vector<Eigen::MatrixXd> marginalCovariances(ceres::Problem& problem,
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const int size = problem.ParameterBlockTangentSize(blocks[i]);
     if (problem.IsParameterBlockConstant(blocks[i]) || size == 0) {
-      covariances[i] = Eigen::MatrixXd::Zero(size, size);
+      errors[i] = Eigen::MatrixXd::Zero(size, draws);
       continue;
     }
     evaluate.parameter_blocks.push_back(blocks[i]);
     free.push_back(i);
     first_column.push_back(first_column.back() + size);
   }
-  if (free.empty()) return covariances;
+  if (free.empty()) return errors;
   ceres::CRSMatrix jacobian;
   problem.Evaluate(evaluate, nullptr, nullptr, nullptr, &jacobian);
 
   const int points_end = first_column.front();
   std::vector<std::vector<int>> rows(points.size());
+  std::vector<Eigen::Triplet<double>> others;
+  int other_rows = 0;
   ReducedInformation reduced(first_column);
   for (int row = 0; row < jacobian.num_rows; ++row) {
+    const int begin = jacobian.rows[static_cast<std::size_t>(row)],
+              end = jacobian.rows[static_cast<std::size_t>(row) + 1];
     int point = -1;
-    for (int k = jacobian.rows[static_cast<std::size_t>(row)];
-         k < jacobian.rows[static_cast<std::size_t>(row) + 1]; ++k)
+    for (int k = begin; k < end; ++k)
       if (jacobian.cols[static_cast<std::size_t>(k)] < points_end)
         point = jacobian.cols[static_cast<std::size_t>(k)] / 3;
-    if (point < 0)
-      reduced.add(jacobian, {row});
-    else
+    if (point >= 0) {
       rows[static_cast<std::size_t>(point)].push_back(row);
+      continue;
+    }
+    reduced.add(jacobian, {row});
+    for (int k = begin; k < end; ++k)
+      others.emplace_back(jacobian.cols[static_cast<std::size_t>(k)] - points_end, other_rows,
+                          jacobian.values[static_cast<std::size_t>(k)]);
+    ++other_rows;
   }
   for (const std::vector<int>& of_point : rows)
     if (!of_point.empty()) reduced.add(jacobian, of_point);
@@ -179,19 +156,20 @@ std::vector<Eigen::MatrixXd> marginalCovariances(ceres::Problem& problem,
   const Eigen::SimplicialLDLT<SparseMatrix> factors(reduced.lowerTriangle());
   if (factors.info() != Eigen::Success || factors.vectorD().minCoeff() <= 0)
     return std::vector<Eigen::MatrixXd>(blocks.size());
-  const SparseMatrix Z = inverseOnPattern(factors.matrixL(), factors.vectorD());
-  const auto& order = factors.permutationP().indices();  // where each row has gone
-  for (std::size_t i = 0; i < free.size(); ++i) {
-    const int first = first_column[i] - points_end, size = first_column[i + 1] - first_column[i];
-    Eigen::MatrixXd& covariance = covariances[free[i]];
-    covariance.resize(size, size);
-    for (int a = 0; a < size; ++a)
-      for (int b = 0; b <= a; ++b) {
-        const int p = order[first + a], q = order[first + b];
-        covariance(a, b) = covariance(b, a) = Z.coeff(std::max(p, q), std::min(p, q));
-      }
-  }
-  return covariances;
+  std::mt19937 random(1);
+  // With S = L D L', L'^-1 D^-1/2 of standard normal numbers has the covariance S^-1.
+  Eigen::MatrixXd drawn_errors = factors.vectorD().cwiseSqrt().cwiseInverse().asDiagonal() *
+                                 drawn(reduced.dimension(), draws, random);
+  factors.matrixU().solveInPlace(drawn_errors);
+  drawn_errors = std::sqrt(observation_variance) * (factors.permutationPinv() * drawn_errors);
+  SparseMatrix by_other(reduced.dimension(), other_rows);
+  by_other.setFromTriplets(others.begin(), others.end());
+  const Eigen::MatrixXd gradients = by_other * drawn(other_rows, draws, random);
+  drawn_errors += std::sqrt(1 - observation_variance) * factors.solve(gradients);
+  for (std::size_t i = 0; i < free.size(); ++i)
+    errors[free[i]] = drawn_errors.middleRows(first_column[i] - points_end,
+                                              first_column[i + 1] - first_column[i]);
+  return errors;
 }
 
 }  // namespace cf

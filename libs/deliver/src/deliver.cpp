@@ -42,6 +42,7 @@ void deliver(const RunRecord& run, const std::filesystem::path& outdir,
   writeWorldJson(run, outdir);
   writeImagesCsv(run, outdir);
   writeTrajectories(run, outdir);
+  writeCovariances(run, outdir);
   writeOdometry(run, outdir);
   writeGeojson(run, outdir);
   writeKml(run, outdir);

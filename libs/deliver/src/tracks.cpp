@@ -8,6 +8,7 @@
 #include "cf/deliver/deliver.h"
 #include "cf/formats/atomic_file.h"
 #include "cf/formats/csv.h"
+#include "cf/formats/pose_covariance_csv.h"
 #include "cf/formats/tum.h"
 #include "cf/geodesy/local_frame.h"
 #include "escape.h"
@@ -55,6 +56,17 @@ void writeTrajectories(const RunRecord& run, const fs::path& outdir) {
                fmt::format("{:.4f}", p.y()), fmt::format("{:.4f}", p.z())});
     }
     csv.close();
+  }
+}
+
+void writeCovariances(const RunRecord& run, const fs::path& outdir) {
+  for (const auto& uav : run.uavs) {
+    std::vector<PoseCovarianceRow> rows;
+    for (const auto& [index, known] : uav.covariances) {
+      const PhotoRecord& photo = photoOf(uav, index);
+      rows.push_back({photo.name, photo.time, known.component, known.covariance});
+    }
+    writePoseCovariances(outPath(outdir, "trajectories", uav.name + ".covariance.csv"), rows);
   }
 }
 

@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 
 #include <set>
+#include <tuple>
 
 #include "cf/base/error.h"
 #include "cf/formats/csv.h"
+#include "cf/formats/pose_covariance_csv.h"
 #include "cf/formats/tum.h"
 
 namespace cf {
@@ -22,6 +24,7 @@ void addUav(const fs::path& csv, const fs::path& tum, EstimatedPoses& estimated)
                     status = table.column("status");
   std::multimap<TimeNs, Eigen::Isometry3d> poses;
   for (const TimedPose& pose : readTum(tum)) poses.emplace(pose.time, pose.T_world_cam);
+  const PoseCovariances covariances = readCovariances(tum);
   for (const CsvRow& row : table.rows()) {
     if (row[status] != "posed") continue;
     const TimeNs time = timeFromText(row[t]);
@@ -29,7 +32,11 @@ void addUav(const fs::path& csv, const fs::path& tum, EstimatedPoses& estimated)
     if (pose == poses.end() || pose->first != time)
       throw RunError(fmt::format("{}: has no row for {} at t = {}, which {} calls posed",
                                  tum.string(), row[image], row[t], csv.string()));
-    estimated.emplace(row[image], EstimatedPose{csv.stem().string(), time, pose->second});
+    EstimatedPose estimate{csv.stem().string(), time, pose->second, {}, 0};
+    const auto covariance = covariances.find({row[image], time});
+    if (covariance != covariances.end())
+      std::tie(estimate.component, estimate.covariance) = covariance->second;
+    estimated.emplace(row[image], estimate);
     poses.erase(pose);
   }
   if (!poses.empty())
@@ -38,6 +45,15 @@ void addUav(const fs::path& csv, const fs::path& tum, EstimatedPoses& estimated)
 }
 
 }  // namespace
+
+PoseCovariances readCovariances(fs::path tum) {
+  PoseCovariances covariances;
+  const fs::path file = tum.replace_extension(".covariance.csv");
+  if (fs::exists(file))
+    for (const PoseCovarianceRow& row : readPoseCovariances(file))
+      covariances[{row.image, row.time}] = {row.component, row.covariance};
+  return covariances;
+}
 
 EstimatedPoses readEstimatedPoses(const fs::path& out_dir) {
   const fs::path images = out_dir / "images";

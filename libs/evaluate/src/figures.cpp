@@ -41,6 +41,17 @@ Json sizeOf(const std::vector<double>& magnitudes) {
   return {{"median", median(magnitudes)}, {"p95", quantile(magnitudes, 0.95)}};
 }
 
+Json meanSquareOf(const std::vector<double>& normalised) {
+  if (normalised.empty()) return nullptr;
+  const auto n = static_cast<double>(normalised.size());
+  const double mean = rms(normalised) * rms(normalised);
+  const double low = chiSquareQuantile(0.025, n) / n, high = chiSquareQuantile(0.975, n) / n;
+  return {{"count", normalised.size()},
+          {"mean_square", finite(mean)},
+          {"chi2_95", {low, high}},
+          {"inside", mean >= low && mean <= high}};
+}
+
 Json consistencyOf(const std::vector<double>& normalised) {
   if (normalised.empty()) return nullptr;
   const std::vector<double> magnitudes = magnitudesOf(normalised);

@@ -20,6 +20,10 @@ Json spreadOf(const std::vector<double>& errors);
 /// Median and p95 of magnitudes; null if there are none.
 Json sizeOf(const std::vector<double>& magnitudes);
 
+/// Mean square of independent errors over their sigmas, 1 if the sigmas are right, beside the 95 %
+/// of chi-square that it should lie in. null if there are none.
+Json meanSquareOf(const std::vector<double>& normalised);
+
 /// Of errors over their sigmas: shares below 1, 2 and 3, and the median of the magnitude (0.674 if
 /// the sigmas are right and the errors Gaussian). null if there are none.
 Json consistencyOf(const std::vector<double>& normalised);

@@ -42,6 +42,7 @@ std::string evaluateRun(const fs::path& out_dir, const fs::path& truth_dir) {
   const RunInputs run = readRun(out_dir, truth_dir);
   Json out = {{"missing", Json::object()}, {"photos", photoFigures(run)}};
   add(out, "trajectory", trajectoryFigures(run));
+  add(out, "consistency", consistencyFigures(run));
   add(out, "scale", scaleFigures(run));
   add(out, "relative_poses", relativePoseFigures(run));
   add(out, "camera", cameraFigures(run));

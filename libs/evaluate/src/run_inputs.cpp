@@ -15,6 +15,8 @@
 #include "cf/formats/camera_ini.h"
 #include "cf/formats/csv.h"
 #include "cf/formats/tum.h"
+#include "estimated_poses.h"
+#include "pose_consistency.h"
 #include "world_origin.h"
 
 namespace cf {
@@ -89,6 +91,7 @@ void joinPoses(const RunInputs& run, RunUav& uav) {
   const std::size_t image = table.column("image"), t = table.column("t"),
                     status = table.column("status"), segment = table.column("segment");
   const fs::path tum = run.out_dir / "trajectories" / (uav.name + ".tum");
+  const PoseCovariances covariances = readCovariances(tum);
   const auto poses = posesOf(tum), local = posesOf(run.out_dir / "odometry" / tum.filename());
   for (const CsvRow& row : table.rows()) {
     const TimeNs time = timeFromText(row[t]);
@@ -102,6 +105,10 @@ void joinPoses(const RunInputs& run, RunUav& uav) {
       throw RunError(fmt::format("{}: has no row for {} at t = {}, which {} calls posed",
                                  tum.string(), row[image], row[t], csv.string()));
     photo->estimate = run.T_ref_est * *pose;
+    const auto covariance = covariances.find({row[image], time});
+    if (covariance == covariances.end()) continue;
+    photo->component = covariance->second.first;
+    photo->covariance = turned(covariance->second.second, run.T_ref_est.linear());
   }
 }
 
@@ -161,7 +168,8 @@ std::optional<Eigen::Vector3d> tripleAt(const json& object, const char* key) {
 std::optional<GnssFigures> gnssOf(const json& object, const char* sigma, const char* bias) {
   const auto s = tripleAt(object, sigma), b = tripleAt(object, bias);
   if (!s || !b) return std::nullopt;
-  return GnssFigures{*s, *b};
+  const bool counted = object.contains("gnss_fixes") && object["gnss_fixes"].is_number_integer();
+  return GnssFigures{*s, *b, counted ? object["gnss_fixes"].get<int>() : 0};
 }
 
 std::vector<RunRelativePose> readRelativePoses(const fs::path& file, std::vector<RunUav>& uavs) {

@@ -10,6 +10,7 @@
 
 #include "cf/base/time.h"
 #include "cf/types/camera_model.h"
+#include "cf/types/pose_table.h"
 #include "cf/types/sim3.h"
 
 namespace cf {
@@ -20,6 +21,8 @@ struct RunPhoto {
   TimeNs time = 0;
   Eigen::Isometry3d truth = Eigen::Isometry3d::Identity();  ///< T_world_cam
   std::optional<Eigen::Isometry3d> estimate;  ///< T_world_cam, in the truth's ENU frame
+  std::optional<PoseCovariance> covariance;   ///< of it, as told
+  int component = 0;                          ///< with a covariance: photos joined by matches
   int segment = -1;                           ///< -1: none
   std::optional<Eigen::Isometry3d> local;     ///< T_local_cam of the segment, VO units
 };
@@ -35,6 +38,7 @@ struct ScaleEstimate {
 struct GnssFigures {
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d bias_m = Eigen::Vector3d::Zero();
+  int fixes = 0;  ///< 0: not told
 };
 
 /// Where a receiver's antenna truly was at a fix that is no outlier.

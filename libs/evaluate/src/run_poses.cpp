@@ -7,6 +7,7 @@
 
 #include "cf/base/error.h"
 #include "cf/geometry/similarity.h"
+#include "pose_consistency.h"
 #include "pose_errors.h"
 #include "statistics.h"
 
@@ -18,7 +19,8 @@ constexpr double kDegrees = 180 / 3.14159265358979323846;
 std::vector<PosePair> pairsOf(const RunUav& uav) {
   std::vector<PosePair> pairs;
   for (const RunPhoto& photo : uav.photos)
-    if (photo.estimate) pairs.push_back({uav.name, *photo.estimate, photo.truth});
+    if (photo.estimate)
+      pairs.push_back({uav.name, *photo.estimate, photo.truth, photo.covariance, photo.component});
   return pairs;
 }
 
@@ -137,6 +139,14 @@ RunSection pairFigures(const RunInputs& run, const Sim3& S_ref_est) {
   return Json{{"rotation_rms_deg", rms(rotations)},
               {"translation_rms_m", rms(shifts)},
               {"pairs", std::move(pairs)}};
+}
+
+RunSection consistencyFigures(const RunInputs& run) {
+  const std::vector<PosePair> all = pairsOf(run);
+  Json world = worldConsistency(all);
+  if (world.is_null())
+    return Failure{"no_covariances", "the run has no line in trajectories/<uav>.covariance.csv"};
+  return Json{{"world", std::move(world)}, {"map", mapConsistency(all)}};
 }
 
 RunSection relativePoseFigures(const RunInputs& run) {

@@ -18,6 +18,9 @@ RunSection trajectoryFigures(const RunInputs& run);
 /// its estimated ones, scaled by the cluster's similarity `S_ref_est`, against the other UAV's.
 RunSection pairFigures(const RunInputs& run, const Sim3& S_ref_est);
 
+/// Whether the covariances that the run tells of its poses are those of their errors.
+RunSection consistencyFigures(const RunInputs& run);
+
 /// The relative poses that the run observed between UAVs.
 RunSection relativePoseFigures(const RunInputs& run);
 

@@ -59,9 +59,9 @@ Json photosToConverge(const std::vector<Sample>& samples) {
   return first == samples.size() ? Json(nullptr) : Json(first + 1);
 }
 
-/// `rows` of one segment in time order.
+/// `rows` of one segment in time order. Errors over sigmas, all and the last, are appended.
 Json segmentFigures(const RunUav& uav, int segment, const std::vector<ScaleEstimate>& rows,
-                    std::vector<double>& normalised) {
+                    std::vector<double>& normalised, std::vector<double>& ends) {
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
   std::vector<const RunPhoto*> photos;
   for (const RunPhoto& photo : uav.photos)
@@ -88,6 +88,7 @@ Json segmentFigures(const RunUav& uav, int segment, const std::vector<ScaleEstim
     end = againstBound(sample.error_pct, information, kLimitEnd_pct);
   }
   if (samples.empty()) return nullptr;
+  if (std::isfinite(samples.back().normalised)) ends.push_back(samples.back().normalised);
   return {{"photos", photos.size()},
           {"after_15", std::move(early)},
           {"end", std::move(end)},
@@ -139,7 +140,7 @@ double umeyamaScale(const std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d
 RunSection scaleFigures(const RunInputs& run) {
   Json segments = Json::object(), map = Json::object();
   Json within = {{"after_15", nullptr}, {"end", nullptr}, {"map", nullptr}};
-  std::vector<double> normalised, ends;
+  std::vector<double> normalised, normalised_ends, ends;
   bool any_row = false, any_local = false;
   for (const RunUav& uav : run.uavs) {
     any_row = any_row || !uav.scale.empty();
@@ -150,7 +151,7 @@ RunSection scaleFigures(const RunInputs& run) {
     std::map<int, std::vector<ScaleEstimate>> rows;
     for (const ScaleEstimate& row : uav.scale) rows[row.segment].push_back(row);
     for (const auto& [segment, of_segment] : rows) {
-      Json figures = segmentFigures(uav, segment, of_segment, normalised);
+      Json figures = segmentFigures(uav, segment, of_segment, normalised, normalised_ends);
       if (figures.is_null()) continue;
       ends.push_back(std::abs(figures["end"]["error_pct"].get<double>()));
       for (const char* when : {"after_15", "end"}) judge(figures[when], within[when]);
@@ -167,6 +168,7 @@ RunSection scaleFigures(const RunInputs& run) {
                           {"max", *std::max_element(ends.begin(), ends.end())}};
   out["within_limits"] = std::move(within);
   out["consistency"] = consistencyOf(normalised);
+  out["consistency_end"] = meanSquareOf(normalised_ends);
   out["map"] = std::move(map);
   out["segments"] = std::move(segments);
   return out;

@@ -19,6 +19,13 @@ Json cameraJson(const CameraModel& truth, const CameraModel& estimate) {
           {"displacement_max_px", finite(d.max_px)}};
 }
 
+/// Where a standard deviation of so many errors lies over the true one in 95 % of cases.
+Json ratioBounds(int fixes) {
+  if (fixes <= 0) return nullptr;
+  const double n = fixes;
+  return {std::sqrt(chiSquareQuantile(0.025, n) / n), std::sqrt(chiSquareQuantile(0.975, n) / n)};
+}
+
 }  // namespace
 
 PixelDisplacement displacementOf(const CameraModel& truth, const CameraModel& estimate) {
@@ -38,7 +45,7 @@ PixelDisplacement displacementOf(const CameraModel& truth, const CameraModel& es
 
 RunSection cameraFigures(const RunInputs& run) {
   Json out = Json::object();
-  std::vector<double> normalised, focal;
+  std::vector<double> normalised, all, focal;
   for (const RunUav& uav : run.uavs) {
     if (!uav.camera_true || !uav.camera_after) continue;
     const CameraModel& truth = *uav.camera_true;
@@ -46,15 +53,22 @@ RunSection cameraFigures(const RunInputs& run) {
     Json figures = {{"before", nullptr}, {"after", cameraJson(truth, after)}};
     if (uav.camera_before && uav.camera_before->width > 0)
       figures["before"] = cameraJson(truth, uav.camera_before->scaled(truth.width, truth.height));
-    if (after.focal_sigma > 0) normalised.push_back((after.fx - truth.fx) / after.focal_sigma);
-    figures["focal_error_over_sigma"] =
-        after.focal_sigma > 0 ? finite(normalised.back()) : Json(nullptr);
+    const auto over = [&](double error, double sigma) {
+      if (!(sigma > 0)) return Json(nullptr);
+      all.push_back(error / sigma);
+      return finite(error / sigma);
+    };
+    figures["focal_error_over_sigma"] = over(after.fx - truth.fx, after.focal_sigma);
+    if (after.focal_sigma > 0) normalised.push_back(all.back());
+    figures["k1_error_over_sigma"] = over(after.k1 - truth.k1, after.k1_sigma);
+    figures["k2_error_over_sigma"] = over(after.k2 - truth.k2, after.k2_sigma);
     focal.push_back(100 * (after.fx / truth.fx - 1));
     out["per_uav"][uav.name] = std::move(figures);
   }
   if (focal.empty()) return Failure{"no_cameras", "truth or run lack cameras/<uav>.ini"};
   out["focal_rms_pct"] = rms(focal);
   out["focal_consistency"] = consistencyOf(normalised);
+  out["consistency"] = consistencyOf(all);  // focal length, k1 and k2
   return out;
 }
 
@@ -80,6 +94,7 @@ RunSection gnssFigures(const RunInputs& run) {
         {"sigma_m", triple(estimate.sigma_m)},
         {"sigma_true_m", triple(truth.sigma_m)},
         {"sigma_ratio", triple(estimate.sigma_m.cwiseQuotient(truth.sigma_m))},
+        {"sigma_ratio_95", ratioBounds(estimate.fixes)},
         {"bias_m", triple(estimate.bias_m)},
         {"bias_true_m", triple(truth.bias_m)},
         {"relative_bias_error_m", triple(relative)}};

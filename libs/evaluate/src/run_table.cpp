@@ -21,6 +21,8 @@ constexpr Line kCluster[] = {
     {"camera centres, sim3, RMSE", "/trajectory/sim3/rmse_m", "m"},
     {"camera centres, not aligned, RMSE", "/trajectory/none/rmse_m", "m"},
     {"rotation, sim3, RMS", "/trajectory/sim3/rotation_rmse_deg", "deg"},
+    {"NEES of poses in the world, of 6", "/consistency/world/nees", ""},
+    {"NEES of poses in the map, of 6", "/consistency/map/nees", ""},
     {"scale of the map, sim3", "/trajectory/sim3/scale", ""},
     {"scale of segments at the end, median", "/scale/error_end_pct/median", "%"},
     {"scale of segments at the end, worst", "/scale/error_end_pct/max", "%"},

@@ -28,4 +28,16 @@ double nmad(std::vector<double> values) {
   return 1.4826 * median(std::move(values));
 }
 
+double chiSquareQuantile(double p, double degrees_of_freedom) {
+  // The quantile of a standard normal variable, by bisection.
+  double low = -9, high = 9;
+  while (high - low > 1e-12) {
+    const double middle = (low + high) / 2;
+    (std::erfc(-middle / std::sqrt(2.0)) / 2 < p ? low : high) = middle;
+  }
+  const double spread = 2 / (9 * degrees_of_freedom);
+  const double root = std::max(0.0, 1 - spread + low * std::sqrt(spread));
+  return degrees_of_freedom * root * root * root;
+}
+
 }  // namespace cf

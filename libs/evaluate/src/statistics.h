@@ -15,4 +15,8 @@ double rms(const std::vector<double>& values);
 /// 1.4826 times the median of |value - median|: sigma, if the values are Gaussian.
 double nmad(std::vector<double> values);
 
+/// The value below which a chi-square variable of so many degrees of freedom lies with probability
+/// `p`, by Wilson and Hilferty's cube root (3 % off at p = 0.025 with 6 degrees, less above).
+double chiSquareQuantile(double p, double degrees_of_freedom);
+
 }  // namespace cf

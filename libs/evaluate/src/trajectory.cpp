@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "cf/base/error.h"
+#include "pose_consistency.h"
 #include "pose_errors.h"
 #include "statistics.h"
 
@@ -56,6 +57,7 @@ TrajectoryEvaluation evaluateTrajectory(const PosePairs& joined,
         "no pose of the estimate matches one of the reference: check that both are of "
         "the same flight");
   TrajectoryEvaluation evaluation;
+  evaluation.pairs = joined.pairs;
   evaluation.missing = joined.missing;
   evaluation.unreferenced = joined.unreferenced;
   std::vector<Eigen::Vector3d> reference, estimate;
@@ -93,6 +95,7 @@ std::string toJson(const TrajectoryEvaluation& evaluation, const std::string& al
       evaluation.extent_m > 0 ? Json(evaluation.all.rmse_m / evaluation.extent_m) : Json(nullptr);
   json["per_uav"] = Json::object();
   for (const auto& [uav, errors] : evaluation.per_uav) json["per_uav"][uav] = jsonOf(errors);
+  json["consistency"] = mapConsistency(evaluation.pairs);
   return json.dump(2);
 }
 

@@ -11,6 +11,7 @@
 #include "cf/formats/csv.h"
 #include "cf/formats/tum.h"
 #include "estimated_poses.h"
+#include "pose_consistency.h"
 #include "world_origin.h"
 
 namespace cf {
@@ -67,7 +68,8 @@ PosePairs pairByName(const fs::path& out_dir, const fs::path& ref_dir) {
     }
     estimate->used = true;
     joined.pairs.push_back(
-        {estimate->pose.uav, T_ref_est * estimate->pose.T_world_cam, poses[k].T_world_cam});
+        {estimate->pose.uav, T_ref_est * estimate->pose.T_world_cam, poses[k].T_world_cam,
+         turned(estimate->pose.covariance, T_ref_est.linear()), estimate->pose.component});
   }
   joined.unreferenced = static_cast<int>(estimated.size() - joined.pairs.size());
   return joined;
@@ -86,7 +88,7 @@ PosePairs pairByTime(const fs::path& estimate, const fs::path& reference) {
       ++joined.missing;
       continue;
     }
-    joined.pairs.push_back({estimate.stem().string(), nearest->second, pose.T_world_cam});
+    joined.pairs.push_back({estimate.stem().string(), nearest->second, pose.T_world_cam, {}, 0});
     left.erase(nearest);
   }
   joined.unreferenced = static_cast<int>(left.size());

@@ -220,6 +220,8 @@ class FlightRun {
     if (entry != alignment.table.poses.end()) {
       photo.status = PhotoStatus::kPosed;
       uav.final_trajectory.push_back({id.index, entry->second.T_world_cam});
+      if (!entry->second.covariance.in_world.isZero(0))
+        uav.covariances[id.index] = {entry->second.component, entry->second.covariance};
       return;
     }
     const auto alone = std::count_if(uav.photos.begin(), uav.photos.end(),

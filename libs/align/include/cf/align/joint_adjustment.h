@@ -50,11 +50,10 @@ struct JointProblem {
 
 struct JointSolution {
   std::map<FrameId, Eigen::Isometry3d> T_world_cam;  ///< held ones too
-  /// Translation [m] and rotation vector [rad], both in world; no entry where it is not determined.
-  std::map<FrameId, Eigen::Matrix<double, 6, 6>> covariance;
-  std::vector<CameraModel> cameras;                 ///< by UAV, with sigmas after
-  std::map<std::uint16_t, Eigen::Vector3d> bias_m;  ///< GNSS minus map, by UAV
-  std::vector<SparsePoint> points;                  ///< every track that triangulates well
+  std::map<FrameId, PoseCovariance> covariance;      ///< no entry where it is not determined
+  std::vector<CameraModel> cameras;                  ///< by UAV, with sigmas after
+  std::map<std::uint16_t, Eigen::Vector3d> bias_m;   ///< GNSS minus map, by UAV
+  std::vector<SparsePoint> points;                   ///< every track that triangulates well
   double reprojection_rms_px = 0;  ///< of the points' observations, at the feature size
 };
 

@@ -22,6 +22,8 @@ void writeWorldJson(const RunRecord& run, const std::filesystem::path& outdir);
 void writeImagesCsv(const RunRecord& run, const std::filesystem::path& outdir);
 /// <uav>.tum, <uav>.online.tum and, unless the map is relative, <uav>.ecef.csv.
 void writeTrajectories(const RunRecord& run, const std::filesystem::path& outdir);
+/// <uav>.covariance.csv of the final poses whose covariance is known.
+void writeCovariances(const RunRecord& run, const std::filesystem::path& outdir);
 /// odometry/<uav>.tum: T_local_cam as odometry gave it, VO units; images/<uav>.csv tells each
 /// photo's segment, and every segment has a local frame and a scale of its own.
 void writeOdometry(const RunRecord& run, const std::filesystem::path& outdir);

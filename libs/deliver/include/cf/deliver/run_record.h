@@ -43,6 +43,12 @@ struct PhotoPose {
   Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();  ///< metres
 };
 
+/// How well a final pose is known.
+struct PhotoCovariance {
+  int component = 0;  ///< photos joined by matches share one
+  PoseCovariance covariance;
+};
+
 /// The scale of one segment as estimated at one time.
 struct ScaleRow {
   TimeNs t = 0;
@@ -53,8 +59,9 @@ struct ScaleRow {
 
 struct UavRecord {
   std::string name;
-  std::vector<PhotoRecord> photos;           ///< in time order
-  std::vector<PhotoPose> final_trajectory;   ///< by photo; those of status posed
+  std::vector<PhotoRecord> photos;                       ///< in time order
+  std::vector<PhotoPose> final_trajectory;               ///< by photo; those of status posed
+  std::map<std::uint32_t, PhotoCovariance> covariances;  ///< of final poses, by photo; if known
   std::vector<PhotoPose> online_trajectory;  ///< as known when each photo had been processed
   /// By photo: T_local_cam of its segment in VO units, in place of T_world_cam.
   std::vector<PhotoPose> local_trajectory;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cf/geometry/similarity.h"
+#include "cf/types/pose_table.h"
 
 namespace cf {
 
@@ -18,6 +19,8 @@ struct PosePair {
   std::string uav;
   Eigen::Isometry3d estimate = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d reference = Eigen::Isometry3d::Identity();
+  std::optional<PoseCovariance> covariance;  ///< as told of the estimate
+  int component = 0;                         ///< with a covariance: poses joined by matches
 };
 
 struct PosePairs {
@@ -45,6 +48,7 @@ struct PoseErrors {
 };
 
 struct TrajectoryEvaluation {
+  std::vector<PosePair> pairs;
   PoseErrors all;
   std::map<std::string, PoseErrors> per_uav;  ///< under the alignment of all
   int missing = 0;

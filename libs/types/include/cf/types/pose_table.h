@@ -13,12 +13,20 @@
 
 namespace cf {
 
+/// How well a pose is known: translation [m], then rotation vector [rad], both in world (left
+/// perturbation); zero = unknown.
+struct PoseCovariance {
+  Eigen::Matrix<double, 6, 6> in_world = Eigen::Matrix<double, 6, 6>::Zero();
+  /// What is left when the map of its component has been fitted to the truth by one similarity: how
+  /// photos lie to each other, without where the map lies as a whole.
+  Eigen::Matrix<double, 6, 6> in_map = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
 /// Where every photo is, as known at one version. Later versions replace earlier ones as a whole.
 struct PoseTable {
   struct Entry {
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
-    Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-    ///< translation [m], rotation vector [rad], both in world (left perturbation); zero = unknown
+    PoseCovariance covariance;
     int component = 0;          ///< photos joined by matches share one; 0 holds the central UAV
     double median_depth_m = 0;  ///< of its triangulated features; 0 = unknown
     /// 5th and 95th percentile of those depths, for the search range of dense matching.

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/formats/pose_covariance_csv.h"
+
+#include <fmt/format.h>
+
+#include "cf/base/error.h"
+#include "cf/base/text.h"
+#include "cf/formats/csv.h"
+
+namespace cf {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// Each matrix with the prefix of its columns' names.
+constexpr std::pair<const char*, Matrix6d PoseCovariance::*> kMatrices[] = {
+    {"world", &PoseCovariance::in_world}, {"map", &PoseCovariance::in_map}};
+constexpr const char* kNames[] = {"tx", "ty", "tz", "rx", "ry", "rz"};
+
+/// Of the upper triangle, row by row.
+template <class Visit>
+void forEachEntry(const Visit& visit) {
+  for (int i = 0; i < 6; ++i)
+    for (int j = i; j < 6; ++j) visit(i, j);
+}
+
+std::string columnOf(const char* prefix, int i, int j) {
+  return fmt::format("{}_{}_{}", prefix, kNames[i], kNames[j]);
+}
+
+}  // namespace
+
+void writePoseCovariances(const std::filesystem::path& file,
+                          const std::vector<PoseCovarianceRow>& rows) {
+  CsvRow header = {"image", "t", "component"};
+  for (const auto& [prefix, matrix] : kMatrices)
+    forEachEntry([&, p = prefix](int i, int j) { header.push_back(columnOf(p, i, j)); });
+  CsvWriter csv(file, header);
+  for (const PoseCovarianceRow& row : rows) {
+    CsvRow out = {row.image, timeText(row.time), std::to_string(row.component)};
+    for (const auto& [prefix, matrix] : kMatrices)
+      forEachEntry([&, m = row.covariance.*matrix](int i, int j) {
+        out.push_back(fmt::format("{:.9g}", m(i, j)));
+      });
+    csv.row(out);
+  }
+  csv.close();
+}
+
+std::vector<PoseCovarianceRow> readPoseCovariances(const std::filesystem::path& file) {
+  const CsvTable table(file);
+  const auto number = [&](const CsvRow& row, const std::string& column) {
+    const std::string& text = row[table.column(column)];
+    const auto value = numberFrom(text);
+    if (!value) throw RunError(file.string() + ": '" + text + "' should be a number");
+    return *value;
+  };
+  const std::size_t image = table.column("image"), t = table.column("t");
+  std::vector<PoseCovarianceRow> rows;
+  for (const CsvRow& row : table.rows()) {
+    PoseCovarianceRow out{
+        row[image], timeFromText(row[t]), static_cast<int>(number(row, "component")), {}};
+    for (const auto& [prefix, matrix] : kMatrices)
+      forEachEntry([&, p = prefix, member = matrix](int i, int j) {
+        Matrix6d& m = out.covariance.*member;
+        m(i, j) = m(j, i) = number(row, columnOf(p, i, j));
+      });
+    rows.push_back(std::move(out));
+  }
+  return rows;
+}
+
+}  // namespace cf
