@@ -56,6 +56,71 @@ TEST(FillGaps, fillsShortGapsWhoseEndsAgree) {
   EXPECT_EQ(column.at<std::int16_t>(1, 0), 160);
 }
 
+TEST(ClearSpeckles, clearsSmallPatchesOnly) {
+  // A ring of 16 px about an islet of 4, and a ramp whose steps join it to one patch.
+  cv::Mat d(12, 20, CV_16S, cv::Scalar(kNone));
+  cv::rectangle(d, cv::Rect(1, 1, 5, 5), cv::Scalar(160), 1);
+  d(cv::Rect(3, 3, 1, 1)) = 640;
+  for (int u = 8; u < 20; ++u) d.col(u) = 16 * u;
+  d(cv::Rect(8, 6, 12, 1)) = kNone;
+  cv::Mat all = d.clone();
+  clearSpeckles(all, 17, 1.5);
+  EXPECT_EQ(all.at<std::int16_t>(1, 1), kNone);
+  EXPECT_EQ(all.at<std::int16_t>(3, 3), kNone);
+  EXPECT_EQ(all.at<std::int16_t>(0, 12), 16 * 12);
+  EXPECT_EQ(all.at<std::int16_t>(11, 19), 16 * 19);
+  cv::Mat most = d.clone();
+  clearSpeckles(most, 16, 1.5);
+  EXPECT_EQ(most.at<std::int16_t>(1, 1), 160);
+  EXPECT_EQ(most.at<std::int16_t>(3, 3), kNone);
+  cv::Mat none = d.clone();
+  clearSpeckles(none, 73, 1.5);
+  EXPECT_EQ(cv::countNonZero(none != kNone), 0);
+}
+
+TEST(SmoothDisparity, averagesWithinAStepOnly) {
+  cv::Mat d(9, 37, CV_16S, cv::Scalar(160));
+  d.colRange(20, 37) = 480;
+  d.at<std::int16_t>(4, 8) = 168;
+  d.at<std::int16_t>(4, 30) = kNone;
+  smoothDisparity(d, 1);
+  EXPECT_EQ(d.at<std::int16_t>(4, 8), 162);   // a quarter of the weight is its own
+  EXPECT_EQ(d.at<std::int16_t>(4, 9), 161);   // 2 of 16
+  EXPECT_EQ(d.at<std::int16_t>(4, 19), 160);  // beside the step
+  EXPECT_EQ(d.at<std::int16_t>(4, 20), 480);
+  EXPECT_EQ(d.at<std::int16_t>(4, 30), kNone);
+  EXPECT_EQ(d.at<std::int16_t>(0, 36), 480);
+}
+
+TEST(FillByVote, fillsRoughSurfacesAndNoOtherHoles) {
+  // On the left a rough surface about 320 of which the speckle filter has left nothing; in the
+  // middle a clean surface with a hole; on the right disparities all over the range.
+  cv::Mat raw(32, 96, CV_16S, cv::Scalar(kNone));
+  cv::RNG random(2);
+  for (int v = 0; v < raw.rows; ++v) {
+    for (int u = 0; u < raw.cols; ++u) {
+      auto& d = raw.at<std::int16_t>(v, u);
+      if (u < 32) {
+        if (random.uniform(0, 2)) d = static_cast<std::int16_t>(320 + random.uniform(-20, 21));
+      } else if (u < 64) {
+        d = 160;
+      } else {
+        d = static_cast<std::int16_t>(random.uniform(0, 1600));
+      }
+    }
+  }
+  raw(cv::Rect(44, 12, 8, 8)) = kNone;
+  cv::Mat d = raw.clone();
+  d.colRange(0, 32) = kNone;
+  d.colRange(64, 96) = kNone;
+  fillByVote(d, raw);
+  for (int v = 0; v < d.rows; ++v) {
+    for (int u = 0; u < 24; ++u) EXPECT_NEAR(d.at<std::int16_t>(v, u), 320, 12) << u << " " << v;
+    for (int u = 72; u < 96; ++u) EXPECT_EQ(d.at<std::int16_t>(v, u), kNone) << u << " " << v;
+  }
+  EXPECT_EQ(cv::countNonZero(d(cv::Rect(44, 12, 8, 8)) != kNone), 0);
+}
+
 TEST(FillFromCoarse, leavesWhatSomethingNearerHides) {
   // Disparity 8 px on the right; left of it the background of 0 px, of which it hides 8 px.
   constexpr int kWidth = 64, kHeight = 8;

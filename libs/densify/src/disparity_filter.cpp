@@ -13,11 +13,6 @@
 namespace cf {
 namespace {
 
-constexpr int kHidden = 24;    // 1/16 px, by which a nearer match hides another
-constexpr int kBeside = 1;     // px of the partner that a match covers on both sides
-constexpr int kFillStep = 32;  // 1/16 px of the coarse level
-constexpr float kFillConfidence = 0.5F;
-
 using Floats = float __attribute__((vector_size(4 * kLanes)));
 using Integers = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
@@ -187,45 +182,6 @@ void smoothDisparity(cv::Mat& disparity, double max_step_px) {
     const std::int16_t* rows[] = {in.ptr<std::int16_t>(v) + 1, in.ptr<std::int16_t>(v + 1) + 1,
                                   in.ptr<std::int16_t>(v + 2) + 1};
     smoothRow(rows, disparity.cols, step, disparity.ptr<std::int16_t>(v));
-  }
-}
-
-void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse, int partner_width) {
-  // The greatest disparity that lands on each pixel of the partner: what hides others.
-  std::vector<std::int16_t> nearest(static_cast<std::size_t>(partner_width));
-  // A smooth place of the coarse level: the 3 x 3 neighbours all known and within a step.
-  cv::Mat least, greatest;
-  const cv::Mat square = cv::Mat::ones(3, 3, CV_8U);
-  cv::erode(coarse.disparity, least, square, {-1, -1}, 1, cv::BORDER_REPLICATE);
-  cv::dilate(coarse.disparity, greatest, square, {-1, -1}, 1, cv::BORDER_REPLICATE);
-  for (int v = 0; v < fine.disparity.rows; ++v) {
-    auto* d = fine.disparity.ptr<std::int16_t>(v);
-    auto* confidence = fine.confidence.ptr<uchar>(v);
-    const int y = std::min(v / 2, coarse.disparity.rows - 1);
-    const auto* low = least.ptr<std::int16_t>(y);
-    const auto* high = greatest.ptr<std::int16_t>(y);
-    const auto* from = coarse.disparity.ptr<std::int16_t>(y);
-    const auto* from_confidence = coarse.confidence.ptr<uchar>(y);
-    std::fill(nearest.begin(), nearest.end(), kNoDisparity);
-    for (int u = 0; u < fine.disparity.cols; ++u) {
-      if (confidence[u] == 0) continue;
-      const int at = u - ((d[u] + 8) >> 4);
-      for (int k = std::max(0, at - kBeside); k <= std::min(partner_width - 1, at + kBeside); ++k) {
-        auto& there = nearest[static_cast<std::size_t>(k)];
-        there = std::max(there, d[u]);
-      }
-    }
-    for (int u = 0; u < fine.disparity.cols; ++u) {
-      const int x = std::min(u / 2, coarse.disparity.cols - 1);
-      if (confidence[u] != 0 || low[x] == kNoDisparity || high[x] - low[x] > kFillStep) continue;
-      const int beside = u % 2 && x + 1 < coarse.disparity.cols ? from[x + 1] : from[x];
-      const int filled = from[x] + beside, at = u - ((filled + 8) >> 4);
-      if (at < 0 || at >= partner_width) continue;
-      if (nearest[static_cast<std::size_t>(at)] > filled + kHidden) continue;
-      d[u] = static_cast<std::int16_t>(filled);
-      confidence[u] = static_cast<uchar>(kFillConfidence * from_confidence[x]);
-      if (confidence[u] == 0) d[u] = kNoDisparity;
-    }
   }
 }
 

@@ -29,9 +29,15 @@ void refineDisparity(cv::Mat& disparity, const StereoInput& input);
 /// smooths noise, keeps steps.
 void smoothDisparity(cv::Mat& disparity, double max_step_px);
 
-/// Where `fine` has no disparity, takes that of `coarse`, half its size, if it is smooth there and
-/// lands where nothing nearer hides it in the partner; at a share of its confidence. For surfaces
-/// too rough to match pixel by pixel, as tree crowns.
+/// Gives pixels of `disparity` that have none the surface about them in `raw`, the same before its
+/// speckles were cleared: the median of an area where enough is known, and enough of it was
+/// speckles, and most agrees. For surfaces so rough that their disparities fall into speckles, as
+/// tree crowns.
+void fillByVote(cv::Mat& disparity, const cv::Mat& raw);
+
+/// Where `fine` has no disparity or a weak one, takes that of `coarse`, half its size, if it is
+/// smooth there and lands where nothing nearer hides it in the partner; at a share of its
+/// confidence.
 void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse, int partner_width);
 
 /// CV_8UC1, 0..255; 0 where there is no disparity. From how alike the two images are once the

@@ -187,7 +187,14 @@ class SgmMatcher : public StereoMatcher {
                          : refinedRanges(coarse, level);
       cv::Mat disparity = semiGlobalMatch(level.reference, level.partner, ranges);
       clearOutside(disparity, level);
-      clearSpeckles(disparity, k > 0 ? kCoarseSpeckle : kSpeckle, kSpeckleStepPx);
+      if (k > 0) {
+        const cv::Mat raw = disparity.clone();
+        clearSpeckles(disparity, kCoarseSpeckle, kSpeckleStepPx);
+        fillByVote(disparity, raw);
+        clearOutside(disparity, level);
+      } else {
+        clearSpeckles(disparity, kSpeckle, kSpeckleStepPx);
+      }
       coarse = disparity.clone();
       if (k >= kFillLevels) continue;
       if (k == 0) {
