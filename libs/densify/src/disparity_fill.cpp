@@ -17,13 +17,13 @@ constexpr int kFillStep = 64;  // 1/16 px of the coarse level
 constexpr float kFillConfidence = 0.7F;
 constexpr int kWeak = 24;  // a match of less confidence yields to that of the coarse level
 
-constexpr int kCell = 4;            // px, side of a cell of the vote
-constexpr int kVoters = 4;          // px around the cell that vote, too
-constexpr double kKnown = 0.3;      // least share of the voters that is known ...
-constexpr double kSpeckles = 0.15;  // ... and was cleared as speckles
-constexpr double kAgree = 0.5;      // least share of the known ones close to their median
-constexpr int kClose = 24;          // 1/16 px
-constexpr int kBlend = 64;          // 1/16 px, between cells that belong together
+constexpr int kCell = 4;           // px, side of a cell of the vote
+constexpr int kVoters = 4;         // px around the cell that vote, too
+constexpr double kKnown = 0.3;     // least share of the voters that is known ...
+constexpr double kSpeckles = 0.2;  // ... and was cleared as speckles
+constexpr double kAgree = 0.5;     // least share of the known ones close to their median
+constexpr int kClose = 24;         // 1/16 px
+constexpr int kBlend = 64;         // 1/16 px, between cells that belong together
 
 cv::Rect within(const cv::Mat& image, int left, int top, int side) {
   return cv::Rect(left, top, side, side) & cv::Rect({}, image.size());
