@@ -262,5 +262,51 @@ TEST(PairObservation, SigmasAreHonest) {
   }
 }
 
+/// Cameras that are wrong by what they say they may be: the poses are off by what they say, too.
+TEST(PairObservation, SigmasKnowTheCamera) {
+  for (const double buildings : {0.0, 0.7}) {
+    double rotation = 0, translation = 0, narrow = 0;
+    const unsigned seeds = 60;
+    for (unsigned seed = 0; seed < seeds; ++seed) {
+      SceneOptions o;
+      o.buildings = buildings;
+      o.outliers = 0.1;
+      o.yaw_deg = 90;
+      Scene scene(o, seed);
+      std::mt19937 rng(1000 + seed);
+      std::normal_distribution<double> gauss;
+      CameraModel wrong = camera();
+      wrong.focal_sigma = 0.01 * wrong.fx;
+      wrong.k1_sigma = 0.02;
+      wrong.fx = wrong.fy = wrong.fx + wrong.focal_sigma * gauss(rng);
+      wrong.k1 += wrong.k1_sigma * gauss(rng);
+      scene.a.camera = scene.b.camera = wrong;
+      const auto seen = observePair(scene.viewA(), scene.viewB(), scene.matches, {});
+      scene.a.camera.focal_sigma = scene.b.camera.focal_sigma = 0;
+      scene.a.camera.k1_sigma = scene.b.camera.k1_sigma = 0;
+      const auto sure = observePair(scene.viewA(), scene.viewB(), scene.matches, {});
+      ASSERT_TRUE(seen.ok() && sure.ok());
+      EXPECT_TRUE(seen->pose.T_a_b.isApprox(sure->pose.T_a_b)) << "only the sigmas differ";
+      const Eigen::AngleAxisd turn(
+          Eigen::Matrix3d(seen->pose.T_a_b.linear() * scene.truth().linear().transpose()));
+      const auto squares = [](const Eigen::Vector3d& error, const Eigen::Vector3d& sigma) {
+        return error.cwiseQuotient(sigma).squaredNorm() / 3 / seeds;
+      };
+      rotation += squares(turn.angle() * turn.axis(), seen->pose.sigma.tail<3>());
+      translation += squares(seen->pose.T_a_b.translation() - scene.truth().translation(),
+                             seen->pose.sigma.head<3>());
+      narrow += squares(turn.angle() * turn.axis(), sure->pose.sigma.tail<3>());
+    }
+    RecordProperty("nees_" + std::to_string(buildings), std::to_string(rotation) + " " +
+                                                            std::to_string(translation) + " " +
+                                                            std::to_string(narrow));
+    EXPECT_GT(rotation, 0.4) << buildings;
+    EXPECT_LT(rotation, 1.6) << buildings;
+    EXPECT_GT(translation, 0.2) << buildings;
+    EXPECT_LT(translation, 1.6) << buildings;
+    EXPECT_GT(narrow, 3) << buildings << ": the camera matters";
+  }
+}
+
 }  // namespace
 }  // namespace cf

@@ -105,6 +105,7 @@ TEST_F(UavRelations, NotAtAll) {
   fly(23, "[uav.west]\ncenter_e = -150\n[uav.east]\ncenter_e = 150\n");
   EXPECT_EQ(run_.components, 2);
   EXPECT_TRUE(warned("2 parts that no match joins"));
+  EXPECT_NE(warned("west: no match joins its"), warned("east: no match joins its"));
   EXPECT_TRUE(run_.relative_poses.empty());
   // Both are in the world, as well as GNSS of 1 and 2 m with biases of 2 and 5 m can tell.
   EXPECT_LT(at("/trajectory/none/rmse_m"), 8);
@@ -122,6 +123,8 @@ TEST_F(UavRelations, NotAtAllAndOneWithoutGnss) {
   fly(23, "[uav.west]\ncenter_e = -150\n[uav.east]\ncenter_e = 150\noutages = 0:100000\n", 16);
   EXPECT_EQ(run_.components, 1);
   EXPECT_TRUE(run_.relative_poses.empty());
+  EXPECT_TRUE(warned("east: no match joins its"));
+  EXPECT_TRUE(warned("left out of the map"));
   EXPECT_LT(at("/trajectory/sim3/rmse_m"), 0.4);
 }
 

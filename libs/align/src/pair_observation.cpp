@@ -5,22 +5,27 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
+#include <utility>
 
 #include "cf/geometry/homography.h"
 #include "cf/geometry/triangulation.h"
 #include "cf/geometry/two_view.h"
 #include "epipolar_refinement.h"
+#include "plane_of_depths.h"
 
 namespace cf {
 namespace {
 
 constexpr double kDegree = M_PI / 180;
-constexpr int kMinDepths = 10;
 /// Depths of one photo share errors that their spread does not show.
 constexpr double kDepthFloor = 0.003;
+/// Part of a standard deviation by which a camera is changed to see what follows.
+constexpr double kStep = 0.1;
 
 using Points = std::vector<Eigen::Vector2d>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 struct Matched {
   Points a, b;
@@ -33,54 +38,20 @@ double depthOf(const PairView& view, int feature) {
   return i < inverse.size() && inverse[i] > 0 ? view.scale / static_cast<double>(inverse[i]) : 0;
 }
 
+Eigen::Vector2d pointOf(const PairView& view, const CameraModel& camera, int feature) {
+  const auto& pixel = view.keyframe->features->pixel[static_cast<std::size_t>(feature)];
+  return camera.undistort(pixel.cast<double>());
+}
+
 Matched gather(const PairView& a, const PairView& b, const std::vector<FeatureMatch>& matches) {
   Matched m;
-  const auto point = [](const PairView& view, int feature) {
-    const auto& pixel = view.keyframe->features->pixel[static_cast<std::size_t>(feature)];
-    return view.keyframe->camera.undistort(pixel.cast<double>());
-  };
   for (const FeatureMatch& match : matches) {
-    m.a.push_back(point(a, match.a));
-    m.b.push_back(point(b, match.b));
+    m.a.push_back(pointOf(a, a.keyframe->camera, match.a));
+    m.b.push_back(pointOf(b, b.keyframe->camera, match.b));
     m.depth_a.push_back(depthOf(a, match.a));
     m.depth_b.push_back(depthOf(b, match.b));
   }
   return m;
-}
-
-/// Normal of the plane that fits the depths: 1/z is linear in the normalized coordinates, with
-/// gradient normal/distance. Iteratively reweighted, so that trees and roofs do not tilt it.
-std::optional<Eigen::Vector3d> normalOfDepths(const Points& points,
-                                              const std::vector<double>& depths) {
-  std::vector<Eigen::Vector4d> rows;  // x, y, 1, 1/z
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (depths[i] > 0) rows.emplace_back(points[i].x(), points[i].y(), 1, 1 / depths[i]);
-  }
-  if (static_cast<int>(rows.size()) < 2 * kMinDepths) return std::nullopt;
-  Eigen::Vector3d fit = Eigen::Vector3d::Zero();
-  std::vector<double> weight(rows.size(), 1), residual(rows.size());
-  for (int round = 0; round < 10; ++round) {
-    Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const Eigen::Vector3d x = rows[i].head<3>();
-      hessian += weight[i] * x * x.transpose();
-      gradient += weight[i] * x * rows[i][3];
-    }
-    fit = hessian.ldlt().solve(gradient);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      residual[i] = std::abs(rows[i].head<3>().dot(fit) - rows[i][3]);
-    }
-    std::vector<double> sorted = residual;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const double scale = std::max(2 * *middle, 1e-12);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      weight[i] = 1 / (1 + std::pow(residual[i] / scale, 2));
-    }
-  }
-  if (fit.z() <= 0) return std::nullopt;
-  return fit.normalized();
 }
 
 /// Pose of b in a up to the length of its translation.
@@ -91,7 +62,7 @@ struct Observed {
   int inliers = 0;
   double sigma = 0;                          ///< of one match, normalized plane
   double across_sigma = 0, along_sigma = 0;  ///< of the translation, in the same units
-  Eigen::Vector3d rotation_variance = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d rotation_covariance = Eigen::Matrix3d::Zero();  ///< axes of b
   std::vector<double> depth_a, depth_b;  ///< per match, in the same units; 0 = none
 };
 
@@ -133,7 +104,7 @@ Observed byHomography(const PlanarPose& pose, const Matched& m) {
   const double along = u.dot(covariance * u);
   o.along_sigma = std::sqrt(along);
   o.across_sigma = std::sqrt((covariance.trace() - along) / 2);
-  o.rotation_variance = pose.covariance.diagonal().segment<3>(3);
+  o.rotation_covariance = pose.covariance.block<3, 3>(3, 3);
   // The plane n.p = 1 gives each point its depth, in a and in b.
   const Eigen::Vector3d n_b = o.T_a_b.linear().transpose() * pose.motion.normal_a;
   const double d_b = 1 - pose.motion.normal_a.dot(c);
@@ -153,7 +124,7 @@ Observed byEssential(const TwoView& view, const Matched& m) {
   o.inliers = view.inliers;
   o.sigma = pose.sigma;
   o.across_sigma = std::sqrt(pose.covariance.diagonal().head<2>().mean());
-  o.rotation_variance = pose.covariance.diagonal().tail<3>();
+  o.rotation_covariance = pose.covariance.bottomRightCorner<3, 3>();
   o.depth_a.assign(m.a.size(), 0);
   o.depth_b.assign(m.a.size(), 0);
   const Eigen::Isometry3d T_b_a = pose.T_a_b.inverse();
@@ -183,7 +154,7 @@ void inflate(Observed& o, double systematic) {
   constexpr double kModes = 10;
   const double ratio = systematic / o.sigma;
   const double factor = 1 + o.inliers / kModes * ratio * ratio;
-  o.rotation_variance *= factor;
+  o.rotation_covariance *= factor;
   o.across_sigma *= std::sqrt(factor);
   o.along_sigma *= std::sqrt(factor);
 }
@@ -211,6 +182,31 @@ DepthLength lengthBy(const std::vector<double>& known, const std::vector<double>
   return {units * unit_m, std::hypot(o.along_sigma * unit_m, units * unit_sigma_m)};
 }
 
+/// A standard deviation of each parameter that the cameras are not sure of, as changed cameras. Of
+/// two photos that were given the same camera the same parameter is wrong.
+std::vector<std::pair<CameraModel, CameraModel>> cameraErrors(const CameraModel& a,
+                                                              const CameraModel& b) {
+  constexpr double CameraModel::*kSigmas[] = {&CameraModel::focal_sigma, &CameraModel::k1_sigma,
+                                              &CameraModel::k2_sigma};
+  const auto off = [&](CameraModel camera, int k) {
+    const double error = kStep * camera.*kSigmas[k];
+    if (k == 0) camera.fy *= (camera.fx + error) / camera.fx;
+    (k == 0 ? camera.fx : k == 1 ? camera.k1 : camera.k2) += error;
+    return camera;
+  };
+  const bool same = a.fx == b.fx && a.fy == b.fy && a.k1 == b.k1 && a.k2 == b.k2;
+  std::vector<std::pair<CameraModel, CameraModel>> cameras;
+  for (int k = 0; k < 3; ++k) {
+    if (same && a.*kSigmas[k] > 0) {
+      cameras.emplace_back(off(a, k), off(b, k));
+      continue;
+    }
+    if (a.*kSigmas[k] > 0) cameras.emplace_back(off(a, k), b);
+    if (b.*kSigmas[k] > 0) cameras.emplace_back(a, off(b, k));
+  }
+  return cameras;
+}
+
 double square(double x) { return x * x; }
 
 /// Weighted mean of both photos' lengths, the sigma of their scales included. A scale that is not
@@ -226,6 +222,35 @@ DepthLength mergeLengths(const PairView& a, const DepthLength& by_a, const PairV
   const DepthLength la = whole(a, by_a), lb = whole(b, by_b);
   const double wa = 1 / square(la.sigma_m), wb = 1 / square(lb.sigma_m);
   return {(wa * la.length_m + wb * lb.length_m) / (wa + wb), 1 / std::sqrt(wa + wb)};
+}
+
+/// What the cameras' uncertainty adds to the covariance of the pose, to first order: the matches
+/// seen through changed cameras give another pose.
+Matrix6d cameraCovariance(const PairView& a, const PairView& b,
+                          const std::vector<FeatureMatch>& matches, const Matched& m,
+                          const Eigen::Isometry3d& T_a_b, const PairObservation& observation,
+                          const std::function<Observed(const Matched&)>& again) {
+  Matrix6d covariance = Matrix6d::Zero();
+  for (const auto& [camera_a, camera_b] : cameraErrors(a.keyframe->camera, b.keyframe->camera)) {
+    Matched changed = m;
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      changed.a[i] = pointOf(a, camera_a, matches[i].a);
+      changed.b[i] = pointOf(b, camera_b, matches[i].b);
+    }
+    const Observed o = again(changed);
+    DepthLength by_a = lengthBy(m.depth_a, o.depth_a, o), by_b = lengthBy(m.depth_b, o.depth_b, o);
+    // Weighed as they were.
+    by_a.sigma_m = observation.by_depth_a.sigma_m;
+    by_b.sigma_m = observation.by_depth_b.sigma_m;
+    const DepthLength merged = mergeLengths(a, by_a, b, by_b);
+    const double length_m = merged.sigma_m > 0 ? merged.length_m : observation.gnss_length_m;
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d(o.T_a_b.linear() * T_a_b.linear().transpose()));
+    Eigen::Matrix<double, 6, 1> change;
+    change << length_m * o.T_a_b.translation().normalized() - T_a_b.translation(),
+        turn.angle() * turn.axis();
+    covariance += change * change.transpose() / (kStep * kStep);
+  }
+  return covariance;
 }
 
 }  // namespace
@@ -264,9 +289,10 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
   }
   const Matched m = gather(a, b, matches);
   const double prior_sigma_rad = options.prior_sigma_deg * kDegree;
-  const auto planar = estimatePlanarPose(m.a, m.b, priorOf(a, b, m, prior_sigma_rad),
-                                         {options.threshold, options.min_inliers});
+  const PlanePrior prior = priorOf(a, b, m, prior_sigma_rad);
+  const auto planar = estimatePlanarPose(m.a, m.b, prior, {options.threshold, options.min_inliers});
   Observed o;
+  std::function<Observed(const Matched&)> again;  // from points that lie a little elsewhere
   if (isPlanar(planar, m, options)) {
     if (ambiguous(*planar)) {
       return Failure{"ambiguous",
@@ -274,6 +300,12 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
                      "tell which"};
     }
     o = byHomography(*planar, m);
+    again = [start = *planar, prior](const Matched& changed) {
+      PlanarPose pose = start;
+      pose.motion =
+          refinePlaneMotion(changed.a, changed.b, pose.inlier, pose.sigma, pose.motion, prior);
+      return byHomography(pose, changed);
+    };
   } else {
     TwoViewOptions two_view;
     two_view.threshold = options.threshold;
@@ -281,6 +313,7 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
     const auto view = estimateTwoView(m.a, m.b, two_view);
     if (!view) return view.failure();
     o = byEssential(*view, m);
+    again = [start = *view](const Matched& changed) { return byEssential(start, changed); };
   }
   if (o.inliers < options.min_share * static_cast<double>(matches.size())) {
     return Failure{"low_share", std::to_string(o.inliers) + " inliers of " + total};
@@ -304,8 +337,6 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
     result.gnss_length_m = predicted.translation().norm();
   }
 
-  const double units = o.T_a_b.translation().norm();
-  if (units > 0) result.direction_a = o.T_a_b.translation() / units;
   result.by_depth_a = lengthBy(m.depth_a, o.depth_a, o);
   result.by_depth_b = lengthBy(m.depth_b, o.depth_b, o);
   const DepthLength merged = mergeLengths(a, result.by_depth_a, b, result.by_depth_b);
@@ -314,22 +345,34 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
   }
   const double length_m = merged.sigma_m > 0 ? merged.length_m : result.gnss_length_m;
   const double along_sigma_m = merged.sigma_m > 0 ? merged.sigma_m : 0.5 * length_m;
-  const double unit_m = units > 0 ? length_m / units : 1;
-  result.across_sigma_m = o.across_sigma * unit_m;
-  result.rotation_sigma_rad = std::sqrt(o.rotation_variance.mean());
+  const double units = o.T_a_b.translation().norm();
+  if (units > 0) result.direction_a = o.T_a_b.translation() / units;
+  const Eigen::Vector3d& u = result.direction_a;
+  const double across_sigma_m = o.across_sigma * (units > 0 ? length_m / units : 1);
+  const Eigen::Matrix3d along = u * u.transpose();
 
   RelativePose& pose = result.pose;
   pose.a = a.keyframe->id;
   pose.b = b.keyframe->id;
   pose.inliers = o.inliers;
   pose.T_a_b = o.T_a_b;
-  pose.T_a_b.translation() = length_m * result.direction_a;
-  const Eigen::Vector3d u2 = result.direction_a.cwiseAbs2();
-  pose.sigma.head<3>() =
-      (square(along_sigma_m) * u2 + square(result.across_sigma_m) * (Eigen::Vector3d::Ones() - u2))
-          .cwiseSqrt();
-  pose.sigma.tail<3>() = o.rotation_variance.cwiseSqrt();
+  pose.T_a_b.translation() = length_m * u;
   pose.residual_before = (predicted.translation() - pose.T_a_b.translation()).norm();
+
+  Matrix6d covariance = Matrix6d::Zero();  // of translation [m] and rotation [rad], axes of a
+  covariance.topLeftCorner<3, 3>() = square(along_sigma_m) * along +
+                                     square(across_sigma_m) * (Eigen::Matrix3d::Identity() - along);
+  covariance.bottomRightCorner<3, 3>() =
+      o.T_a_b.linear() * o.rotation_covariance * o.T_a_b.linear().transpose();
+  const Matrix6d by_camera = cameraCovariance(a, b, matches, m, pose.T_a_b, result, again);
+  covariance += by_camera;
+  pose.sigma = covariance.diagonal().cwiseSqrt();
+  const double camera_along = u.dot(by_camera.topLeftCorner<3, 3>() * u);
+  result.across_sigma_m = std::sqrt(square(across_sigma_m) +
+                                    (by_camera.topLeftCorner<3, 3>().trace() - camera_along) / 2);
+  result.rotation_sigma_rad = std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3);
+  for (DepthLength* length : {&result.by_depth_a, &result.by_depth_b})
+    if (length->sigma_m > 0) length->sigma_m = std::hypot(length->sigma_m, std::sqrt(camera_along));
   for (std::size_t i = 0; i < matches.size(); ++i) {
     if (o.inlier[i]) result.inliers.push_back(matches[i]);
   }

@@ -248,6 +248,11 @@ Eigen::Vector3d transfer(const PlaneMotion& motion, const Eigen::Vector2d& a) {
          (x - motion.normal_a.dot(x) * motion.T_a_b.translation());
 }
 
+PlaneMotion refinePlaneMotion(const Points& a, const Points& b, const std::vector<char>& inlier,
+                              double sigma, const PlaneMotion& start, const PlanePrior& prior) {
+  return Refinement(a, b, inlier, sigma, start, prior).minimise(start);
+}
+
 Result<PlanarPose> estimatePlanarPose(const Points& a, const Points& b, const PlanePrior& prior,
                                       const HomographyOptions& options) {
   const auto too_few = [&](int inliers) {

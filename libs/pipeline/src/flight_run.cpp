@@ -26,6 +26,7 @@
 #include "gnss_disagreement.h"
 #include "playback.h"
 #include "uav_chain.h"
+#include "unjoined_parts.h"
 
 namespace cf {
 namespace fs = std::filesystem;
@@ -209,6 +210,7 @@ class FlightRun {
     if (alignment.components > 1)
       warn(fmt::format("the photos form {} parts that no match joins: only GNSS ties them together",
                        alignment.components));
+    for (const std::string& line : unjoinedParts(record_.uavs, alignment.table)) warn(line);
     for (const auto& [code, count] : dense.failures)
       logInfo(fmt::format("densify: {} pairs without depth: {}", count, code));
   }

@@ -35,7 +35,7 @@ void writeKml(const RunRecord& run, const std::filesystem::path& outdir);
 void writeCameras(const RunRecord& run, const std::filesystem::path& outdir);
 void writeScale(const RunRecord& run, const std::filesystem::path& outdir);
 void writeGraphs(const RunRecord& run, const std::filesystem::path& outdir);
-/// T_a_b: translation [m] and quaternion, σ of translation [m] and rotation vector [rad].
+/// T_a_b: translation [m] and quaternion, σ of translation [m] and rotation vector [rad], axes of a.
 void writeRelativePoses(const RunRecord& run, const std::filesystem::path& outdir);
 void writeSparsePly(const RunRecord& run, const std::filesystem::path& outdir);
 

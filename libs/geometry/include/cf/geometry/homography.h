@@ -54,6 +54,13 @@ Result<PlanarPose> estimatePlanarPose(const std::vector<Eigen::Vector2d>& a,
                                       const std::vector<Eigen::Vector2d>& b,
                                       const PlanePrior& prior, const HomographyOptions& options);
 
+/// The motion that fits the inliers best, from one near it: the last step of estimatePlanarPose.
+/// `sigma` as in PlanarPose.
+PlaneMotion refinePlaneMotion(const std::vector<Eigen::Vector2d>& a,
+                              const std::vector<Eigen::Vector2d>& b,
+                              const std::vector<char>& inlier, double sigma,
+                              const PlaneMotion& start, const PlanePrior& prior);
+
 /// Where the motion takes a point of a's normalized plane that lies on the plane, in b: direction,
 /// positive z in front.
 Eigen::Vector3d transfer(const PlaneMotion& motion, const Eigen::Vector2d& a);
