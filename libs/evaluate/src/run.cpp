@@ -52,7 +52,7 @@ std::string evaluateRun(const fs::path& out_dir, const fs::path& truth_dir) {
   if (S_ref_est) {
     add(out, "uav_pairs", pairFigures(run, *S_ref_est));
     addGround(out, run, views, *S_ref_est);
-    add(out, "cloud", cloudFigures(run, *S_ref_est, matchedGroundSize(run, views)));
+    add(out, "cloud", cloudFigures(run, views, *S_ref_est, matchedGroundSize(run, views)));
   } else {
     const Failure none{"not_aligned", "the cluster cannot be aligned with the truth: " +
                                           S_ref_est.failure().detail};

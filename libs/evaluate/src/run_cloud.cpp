@@ -20,6 +20,8 @@ namespace cf {
 namespace {
 
 constexpr std::size_t kMaxSamples = 2'000'000;
+constexpr std::size_t kSeenSamples = 200'000;
+constexpr int kLooks = 2;  ///< on either side of a pixel, for a surface near a point
 constexpr double kFlying_m = 1, kLeastReach_m = 0.25;
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -66,9 +68,40 @@ Json heightFigures(const Points& samples, const HeightGrid& grid,
   return out;
 }
 
+/// Is one of the surfaces that the photos really see within `reach_m` of the point? Looks at the
+/// true depths about its pixel in each photo: walls and ground below crowns are surfaces, too,
+/// which a model of the topmost one lacks.
+bool onSeenSurface(const std::vector<TruthView>& views, const Eigen::Vector3d& p_world,
+                   double reach_m) {
+  return std::any_of(views.begin(), views.end(), [&](const TruthView& view) {
+    const Eigen::Vector3d p = view.T_cam_world * p_world;
+    const CameraModel& c = *view.camera;
+    if (p.z() <= 0 || std::abs(p.x() / p.z()) > c.width / c.fx ||
+        std::abs(p.y() / p.z()) > c.height / c.fy)
+      return false;
+    const Eigen::Vector2d pixel = c.project(p);
+    const double reach_px = reach_m * c.fx / p.z();
+    for (int j = -kLooks; j <= kLooks; ++j)
+      for (int i = -kLooks; i <= kLooks; ++i) {
+        const Eigen::Vector2d at = pixel + Eigen::Vector2d(i, j) * (reach_px / (kLooks + 1));
+        const Eigen::Vector2d cell = (at / view.depth.step).array().round();
+        if (!(cell.minCoeff() >= 0) || cell.x() >= view.depth.values.cols ||
+            cell.y() >= view.depth.values.rows)
+          continue;
+        const auto z = static_cast<double>(
+            view.depth.values.at<float>(static_cast<int>(cell.y()), static_cast<int>(cell.x())));
+        if (!(z > 0) || std::abs(z - p.z()) > reach_m) continue;
+        const Eigen::Vector3d seen = z * c.undistort(cell * view.depth.step).homogeneous();
+        if ((seen - p).norm() <= reach_m) return true;
+      }
+    return false;
+  });
+}
+
 /// Flying: farther than a metre from every surface. Between the heights of cells within one cell of
-/// the point is a wall, and a wall is a surface.
-Json flyingFigures(const Points& samples, const HeightGrid& grid, const KdTree<3>& reference) {
+/// the point is a wall, and a wall is a surface; so is what any photo really sees.
+Json flyingFigures(const Points& samples, const HeightGrid& grid, const KdTree<3>& reference,
+                   const std::vector<TruthView>& views) {
   enum class Fate : char { kOutside, kOnSurface, kFlying };
   std::vector<Fate> fates(samples.size(), Fate::kOutside);
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
@@ -78,9 +111,9 @@ Json flyingFigures(const Points& samples, const HeightGrid& grid, const KdTree<3
     const bool at_wall =
         wall && p.z() >= wall->first - kFlying_m && p.z() <= wall->second + kFlying_m;
     constexpr float kReach2 = static_cast<float>(kFlying_m * kFlying_m);
-    fates[i] = at_wall || reference.nearestDistance2(samples[i], kReach2) < kReach2
-                   ? Fate::kOnSurface
-                   : Fate::kFlying;
+    const bool on_surface = at_wall || reference.nearestDistance2(samples[i], kReach2) < kReach2 ||
+                            onSeenSurface(views, p, kFlying_m);
+    fates[i] = on_surface ? Fate::kOnSurface : Fate::kFlying;
   });
   const auto count = [&](Fate fate) {
     return static_cast<double>(std::count(fates.begin(), fates.end(), fate));
@@ -90,22 +123,42 @@ Json flyingFigures(const Points& samples, const HeightGrid& grid, const KdTree<3
           {"outside_share", count(Fate::kOutside) / static_cast<double>(samples.size())}};
 }
 
+/// The reference points that two photos see; all where no photo's depths are known.
+Points seenByTwo(const Points& reference, const std::vector<TruthView>& views) {
+  const Points samples = everyNth(reference, views.empty() ? kMaxSamples : kSeenSamples);
+  if (views.empty()) return samples;
+  std::vector<char> kept(samples.size());
+  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
+    Eigen::Vector2d pixel;
+    int seen = 0;
+    for (const TruthView& view : views) {
+      if (!view.sees(samples[i].cast<double>(), pixel)) continue;
+      if (++seen == 2) break;
+    }
+    kept[i] = seen == 2;
+  });
+  Points out;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (kept[i]) out.push_back(samples[i]);
+  return out;
+}
+
 /// Share of the reference points with an estimated point nearer than `reach_m`, in 3 dimensions or
 /// (Dim = 2) seen from above.
 template <int Dim>
-double shareReached(const Points& reference, const Points& estimate, double reach_m) {
+Json shareReached(const Points& reference, const Points& estimate, double reach_m) {
+  if (reference.empty()) return nullptr;
   std::vector<typename KdTree<Dim>::Point> points;
   points.reserve(estimate.size());
   for (const Eigen::Vector3f& p : estimate) points.push_back(p.head<Dim>());
   const KdTree<Dim> tree(std::move(points));
-  const Points samples = everyNth(reference, kMaxSamples);
   const auto reach2 = static_cast<float>(reach_m * reach_m);
-  std::vector<char> near(samples.size());
-  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-    near[i] = tree.nearestDistance2(samples[i].head<Dim>(), reach2) < reach2 ? 1 : 0;
+  std::vector<char> near(reference.size());
+  tbb::parallel_for(std::size_t{0}, reference.size(), [&](std::size_t i) {
+    near[i] = tree.nearestDistance2(reference[i].head<Dim>(), reach2) < reach2 ? 1 : 0;
   });
   return static_cast<double>(std::count(near.begin(), near.end(), 1)) /
-         static_cast<double>(samples.size());
+         static_cast<double>(reference.size());
 }
 
 }  // namespace
@@ -128,8 +181,8 @@ std::optional<double> matchedGroundSize(const RunInputs& run, const std::vector<
   return median(std::move(sizes));
 }
 
-RunSection cloudFigures(const RunInputs& run, const Sim3& S_ref_est,
-                        std::optional<double> matched_size_m) {
+RunSection cloudFigures(const RunInputs& run, const std::vector<TruthView>& views,
+                        const Sim3& S_ref_est, std::optional<double> matched_size_m) {
   const auto estimate_file = run.out_dir / "cloud" / "cloud.ply",
              reference_file = run.truth_dir / "cloud.ply", dsm = run.truth_dir / "dsm.tif";
   if (!std::filesystem::exists(reference_file))
@@ -144,11 +197,12 @@ RunSection cloudFigures(const RunInputs& run, const Sim3& S_ref_est,
   });
   if (clouds.reference.empty()) return Failure{"no_truth", "the truth's cloud.ply has no points"};
   if (clouds.estimate.empty()) return Failure{"no_cloud", "the run's cloud has no points"};
+  const Points seen = seenByTwo(clouds.reference, views);
   const double reach_m = std::max(kLeastReach_m, 2 * matched_size_m.value_or(0));
   Json out = {{"points", clouds.estimate.size()},
               {"matched_pixel_m", matched_size_m ? Json(*matched_size_m) : Json(nullptr)},
-              {"completeness", shareReached<3>(clouds.reference, clouds.estimate, reach_m)},
-              {"coverage", shareReached<2>(clouds.reference, clouds.estimate, reach_m)},
+              {"completeness", shareReached<3>(seen, clouds.estimate, reach_m)},
+              {"coverage", shareReached<2>(seen, clouds.estimate, reach_m)},
               {"completeness_reach_m", reach_m},
               {"height", nullptr},
               {"flying", nullptr}};
@@ -156,7 +210,7 @@ RunSection cloudFigures(const RunInputs& run, const Sim3& S_ref_est,
     const HeightGrid grid = readHeightGrid(dsm);
     const Points samples = everyNth(clouds.estimate, kMaxSamples);
     out["height"] = heightFigures(samples, grid, matched_size_m);
-    out["flying"] = flyingFigures(samples, grid, KdTree<3>(clouds.reference));
+    out["flying"] = flyingFigures(samples, grid, KdTree<3>(clouds.reference), views);
   }
   try {
     out["distance"] = Json::parse(toJson(evaluateCloud(std::move(clouds), false), matched_size_m));

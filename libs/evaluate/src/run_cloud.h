@@ -14,8 +14,9 @@ namespace cf {
 /// Ground size of a matched pixel [m]: the median over the photos of the true depths.
 std::optional<double> matchedGroundSize(const RunInputs& run, const std::vector<TruthView>& views);
 
-/// The run's cloud, moved by the cluster's similarity, against truth/cloud.ply and truth/dsm.tif.
-RunSection cloudFigures(const RunInputs& run, const Sim3& S_ref_est,
-                        std::optional<double> matched_size_m);
+/// The run's cloud, moved by the cluster's similarity, against truth/cloud.ply, truth/dsm.tif and
+/// what the photos of the truth see.
+RunSection cloudFigures(const RunInputs& run, const std::vector<TruthView>& views,
+                        const Sim3& S_ref_est, std::optional<double> matched_size_m);
 
 }  // namespace cf
