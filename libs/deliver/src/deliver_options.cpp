@@ -10,6 +10,9 @@ void DeliverOptions::visit(OptionVisitor& v) {
          "write cloud/cloud.las: the dense cloud as LAS 1.4 in UTM; user data = depth frames that "
          "saw a point");
   v.flag("dsm", dsm, "write dsm.tif: the height of the uppermost surface [m] on a raster in UTM");
+  v.flag("orthophoto", orthophoto, "write orthophoto.tif: the photos laid on that surface");
+  v.number("orthophoto_gsd_m", orthophoto_gsd_m, {0, 100},
+           "side of its pixels [m], about; 0 = half a matched pixel, but no finer than the photos");
   v.flag("depth_maps", depth_maps,
          "write depth/<uav>/<photo>.tif: depth along the optical axis [m] on every STEP-th pixel "
          "of the photo, 0 = nothing");

@@ -103,9 +103,11 @@ void DsmBuilder::write(TileStore& cloud, const std::filesystem::path& path) cons
     cv::Mat heights = withHolesFilled(uppermostSurface(points, wide.size()), kHoleReach, kRoofStep)(
                           cv::Rect(window.area.tl() - wide.tl(), window.area.size()))
                           .clone();
-    for (auto z = heights.begin<float>(); z != heights.end<float>(); ++z)
-      *z = static_cast<float>(std::round((static_cast<double>(*z) * cell_m_ + low_z) * kRounding)) /
-           kRounding;
+    for (int y = 0; y < heights.rows; ++y)
+      for (float *z = heights.ptr<float>(y), *end = z + heights.cols; z != end; ++z)
+        *z = static_cast<float>(
+                 std::round((static_cast<double>(*z) * cell_m_ + low_z) * kRounding)) /
+             kRounding;
     window.heights = heights;
     return window;
   };

@@ -20,7 +20,7 @@ constexpr float kSupportShare = 0.25F;
 constexpr float kTopShare = 0.3F;
 constexpr float kSmoothStep = 3;
 constexpr float kCompanionStep = 2;
-constexpr int kCompanions = 3, kFewCompanions = 10;
+constexpr int kCompanions = 3, kFewCompanions = 8;
 constexpr float kDoubtfulShare = 0.5F;
 constexpr int kDirections = 8;
 constexpr int kDirectionsNeeded = 6;
@@ -66,30 +66,44 @@ Top topOf(SurfacePoint* begin, SurfacePoint* end) {
   return top;
 }
 
-/// `views` of the points of every cell.
-cv::Mat withoutLoners(const cv::Mat& heights, const cv::Mat& views) {
-  cv::Mat out = heights.clone();
-  for (int y = 0; y < heights.rows; ++y)
-    for (int x = 0; x < heights.cols; ++x) {
-      const float z = heights.at<float>(y, x);
-      if (std::isnan(z)) continue;
-      int companions = -1, others = 0;  // itself is no companion
-      float seen_others = 0;
-      for (int v = std::max(0, y - 2); v <= std::min(heights.rows - 1, y + 2); ++v)
-        for (int u = std::max(0, x - 2); u <= std::min(heights.cols - 1, x + 2); ++u) {
-          const float other = heights.at<float>(v, u);
-          if (std::abs(other - z) < kCompanionStep) {
-            ++companions;
-          } else if (!std::isnan(other)) {
-            ++others;
-            seen_others += views.at<float>(v, u);
-          }
-        }
-      const bool doubtful =
-          companions < kFewCompanions && companions < others &&
-          views.at<float>(y, x) * static_cast<float>(others) < kDoubtfulShare * seen_others;
-      if (companions < kCompanions || doubtful) out.at<float>(y, x) = kNone;
+/// Whether a cell has too little in common with those around it. `seen`: views of each.
+bool isLoner(const cv::Mat& heights, const cv::Mat& seen, int x, int y) {
+  const float z = heights.at<float>(y, x);
+  int companions = -1, others = 0;  // itself is no companion
+  float seen_others = 0;
+  for (int v = std::max(0, y - 2); v <= std::min(heights.rows - 1, y + 2); ++v) {
+    const auto *row = heights.ptr<float>(v), *seen_row = seen.ptr<float>(v);
+    for (int u = std::max(0, x - 2); u <= std::min(heights.cols - 1, x + 2); ++u) {
+      if (std::abs(row[u] - z) < kCompanionStep) {
+        ++companions;
+      } else if (!std::isnan(row[u])) {
+        ++others;
+        seen_others += seen_row[u];
+      }
     }
+  }
+  const bool doubtful =
+      companions < kFewCompanions && companions < others &&
+      seen.at<float>(y, x) * static_cast<float>(others) < kDoubtfulShare * seen_others;
+  return companions < kCompanions || doubtful;
+}
+
+cv::Mat withoutLoners(const cv::Mat& heights, const cv::Mat& seen) {
+  cv::Mat out = heights.clone();
+  for (int y = 0; y < heights.rows; ++y) {
+    const auto* row = heights.ptr<float>(y);
+    for (int x = 0; x < heights.cols; ++x) {
+      if (std::isnan(row[x])) continue;
+      // Eight companions next to it are enough.
+      bool surrounded = y > 0 && y + 1 < heights.rows && x > 0 && x + 1 < heights.cols;
+      for (int v = -1; surrounded && v <= 1; ++v) {
+        const auto* near = heights.ptr<float>(y + v) + x;
+        for (int u = -1; u <= 1; ++u)
+          surrounded = surrounded && std::abs(near[u] - row[x]) < kCompanionStep;
+      }
+      if (!surrounded && isLoner(heights, seen, x, y)) out.at<float>(y, x) = kNone;
+    }
+  }
   return out;
 }
 
@@ -147,19 +161,22 @@ cv::Mat uppermostSurface(const std::vector<SurfacePoint>& points, cv::Size size)
 
 cv::Mat withHolesFilled(const cv::Mat& heights, int reach, float step) {
   cv::Mat out = heights.clone();
-  const cv::Rect area(0, 0, heights.cols, heights.rows);
   for (int y = 0; y < heights.rows; ++y)
     for (int x = 0; x < heights.cols; ++x) {
-      if (!std::isnan(heights.at<float>(y, x))) continue;
+      const float* const here = heights.ptr<float>(y) + x;
+      if (!std::isnan(*here)) continue;
       std::array<float, kDirections> z{}, distance{};
       int found = 0;
-      for (const cv::Point d : kCompass) {
-        cv::Point p = cv::Point(x, y) + d;
+      for (int k = 0; k < kDirections && found + kDirections - k >= kDirectionsNeeded; ++k) {
+        const cv::Point d = kCompass[static_cast<std::size_t>(k)];
+        const int room_x = d.x > 0 ? heights.cols - 1 - x : d.x < 0 ? x : reach;
+        const int room_y = d.y > 0 ? heights.rows - 1 - y : d.y < 0 ? y : reach;
+        const int room = std::min({reach, room_x, room_y});
+        const std::ptrdiff_t stride = d.y * static_cast<std::ptrdiff_t>(heights.step1()) + d.x;
         int steps = 1;
-        for (; steps <= reach && area.contains(p) && std::isnan(heights.at<float>(p)); ++steps)
-          p += d;
-        if (steps > reach || !area.contains(p)) continue;
-        z[static_cast<std::size_t>(found)] = heights.at<float>(p);
+        while (steps <= room && std::isnan(here[steps * stride])) ++steps;
+        if (steps > room) continue;
+        z[static_cast<std::size_t>(found)] = here[steps * stride];
         distance[static_cast<std::size_t>(found)] =
             static_cast<float>(steps) * (d.x != 0 && d.y != 0 ? 1.4142F : 1.F);
         ++found;

@@ -23,7 +23,7 @@ struct SurfacePoint {
 /// points within three cells below: a wall does not draw the roof down, noise does not lift it.
 ///
 /// Cells are then dropped that have fewer than three companions within two cells of height among
-/// the 24 around, or fewer than ten, outnumbered by others that were seen twice as often. The rest
+/// the 24 around, or fewer than eight, outnumbered by others that were seen twice as often. The rest
 /// is smoothed over 3 x 3 cells, those apart by more than three cells of height left out, so that
 /// edges stay.
 cv::Mat uppermostSurface(const std::vector<SurfacePoint>& points, cv::Size size);

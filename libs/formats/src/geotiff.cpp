@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -110,8 +109,7 @@ void GeoTiffWriter::write(int column, int row, const cv::Mat& window) {
   if (kind_ == Kind::kHeights) {
     if (window.type() != CV_32FC1) throw RunError(path_.string() + ": heights must be CV_32FC1");
     cv::Mat values = window.clone();
-    for (auto v = values.begin<float>(); v != values.end<float>(); ++v)
-      if (std::isnan(*v)) *v = kNoHeight;
+    cv::patchNaNs(values, static_cast<double>(kNoHeight));
     if (GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Write, column, row, width, height,
                      values.data, width, height, GDT_Float32, 0,
                      static_cast<int>(values.step)) != CE_None)
@@ -191,8 +189,8 @@ cv::Mat GeoTiffReader::heights(const cv::Rect& window) const {
                    inside.width, inside.height, GDT_Float32, 0,
                    static_cast<int>(part.step)) != CE_None)
     failGdal(path_, "cannot be read");
-  for (auto v = part.begin<float>(); v != part.end<float>(); ++v)
-    if (*v <= GeoTiffWriter::kNoHeight) *v = std::numeric_limits<float>::quiet_NaN();
+  part.setTo(cv::Scalar(std::numeric_limits<float>::quiet_NaN()),
+             part <= static_cast<double>(GeoTiffWriter::kNoHeight));
   return values;
 }
 

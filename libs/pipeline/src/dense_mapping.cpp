@@ -11,7 +11,6 @@
 
 #include "cf/base/error.h"
 #include "cf/base/progress.h"
-#include "cf/deliver/dsm.h"
 #include "cf/deliver/las_cloud.h"
 #include "cf/formats/float_raster.h"
 #include "cf/formats/ply.h"
@@ -20,6 +19,7 @@
 #include "cf/fuse/voxel_tile_map.h"
 #include "cf/geometry/depth_triangulation.h"
 #include "depth_maps.h"
+#include "map_rasters.h"
 #include "photo_decoder.h"
 
 namespace cf {
@@ -93,9 +93,10 @@ class DenseMapper {
 
   DenseSummary run() {
     if (views_.empty()) return summary_;
-    const FuseOptions fuse =
-        options_.fuse.resolved(matchedGroundSize(views_, options_.densify.megapixels));
+    const double matched_pixel_m = matchedGroundSize(views_, options_.densify.megapixels);
+    const FuseOptions fuse = options_.fuse.resolved(matched_pixel_m);
     summary_.voxel_m = fuse.voxel_m;
+    rasters_.emplace(options_.deliver, grid_, fuse.voxel_m);
     // Raw tiles live beside the result until the finished cloud has been made of them.
     const std::filesystem::path work = outdir_ / ".cf-run-tiles";
     DirectoryTileStore store = DirectoryTileStore::create(work, fuse.tile_m, fuse.voxel_m);
@@ -105,9 +106,9 @@ class DenseMapper {
       const StageTimes::Scope scope(times_, "fuse", CpuClock::kProcess);
       map.flush();
     }
-    deliver(store, fuse);
+    DirectoryTileStore cloud = deliver(store, fuse);
     std::filesystem::remove_all(work);
-    deliverRasters();
+    rasters_->write(views_, photos_, cloud, matched_pixel_m, outdir_, times_);
     return summary_;
   }
 
@@ -168,6 +169,11 @@ class DenseMapper {
   Contribution contribute(const DenseView& reference) {
     Contribution out;
     out.reference = reference.id;
+    if (rasters_->wantsPhotos()) {
+      const cv::Mat photo = image(reference.id);
+      const StageTimes::Scope scope(times_, "orthophoto");
+      rasters_->add(reference.id, photo);
+    }
     for (const FrameId id : partners_.at(reference.id)) {
       const cv::Mat reference_image = image(reference.id), partner_image = image(id);
       if (reference_image.empty() || partner_image.empty()) continue;
@@ -218,7 +224,8 @@ class DenseMapper {
     writeFloatRaster(folder / (photo.stem().string() + ".tif"), *map);
   }
 
-  void deliver(DirectoryTileStore& store, const FuseOptions& fuse) {
+  /// The tiles of the finished cloud.
+  DirectoryTileStore deliver(DirectoryTileStore& store, const FuseOptions& fuse) {
     const StageTimes::Scope scope(times_, "deliver_cloud", CpuClock::kProcess);
     OctoMapBuilder octomap(options_.octomap.resolved(fuse.voxel_m));
     DirectoryTileStore tiles =
@@ -226,14 +233,13 @@ class DenseMapper {
     PlyWriter ply(outdir_ / "cloud" / "cloud.ply");
     std::optional<LasCloud> las;
     if (options_.deliver.las) las.emplace(outdir_ / "cloud" / "cloud.las", grid_);
-    dsm_.emplace(grid_, fuse.voxel_m);
     const Delivery delivery = deliverCloud(store, fuse, [&](const Tile& tile) {
       for (const TilePoint& p : tile.points) {
         const Eigen::Vector3d world = tile.offset_m + p.position_m.cast<double>();
         ply.add(world.cast<float>(), {p.bgr[2], p.bgr[1], p.bgr[0]});
       }
       if (las) las->add(tile);
-      dsm_->add(tile);
+      rasters_->add(tile);
       octomap.addSurface(tile);
       tiles.save(tile);
     });
@@ -244,13 +250,7 @@ class DenseMapper {
     for (const auto& [id, points] : rays_)
       octomap.carve(alignment_.table.poses.at(id).T_world_cam.translation(), points);
     octomap.write(outdir_ / "octomap");
-  }
-
-  void deliverRasters() {
-    if (dsm_->empty() || !options_.deliver.dsm) return;
-    const StageTimes::Scope scope(times_, "dsm", CpuClock::kProcess);
-    DirectoryTileStore cloud = DirectoryTileStore::open(outdir_ / "cloud");
-    dsm_->write(cloud, outdir_ / "dsm.tif");
+    return tiles;
   }
 
   const std::vector<std::vector<ImageFrame>>& photos_;
@@ -264,7 +264,7 @@ class DenseMapper {
   DepthMaps depth_maps_;
   std::map<FrameId, std::vector<FrameId>> partners_;
   std::vector<std::pair<FrameId, std::vector<MapPoint>>> rays_;
-  std::optional<DsmBuilder> dsm_;
+  std::optional<MapRasters> rasters_;
   DenseSummary summary_;
 };
 

@@ -11,6 +11,8 @@ struct DeliverOptions {
   bool html = true;
   bool las = true;
   bool dsm = true;
+  bool orthophoto = true;
+  double orthophoto_gsd_m = 0;  ///< 0 = automatic
   bool depth_maps = false;
 
   void visit(OptionVisitor& v);

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_rasters.h"
+
+#include <algorithm>
+
+#include "cf/deliver/orthophoto.h"
+#include "photo_decoder.h"
+
+namespace cf {
+namespace {
+
+/// Ground size of a photo's own pixel, the median over the views.
+double photoGroundSize(const std::vector<DenseView>& views) {
+  std::vector<double> sizes;
+  for (const DenseView& v : views) sizes.push_back(v.median_depth_m / v.camera.fx);
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle;
+}
+
+}  // namespace
+
+MapRasters::MapRasters(const DeliverOptions& options, const GridFrame& grid, double voxel_m)
+    : options_(options), grid_(grid), dsm_(grid, voxel_m) {}
+
+void MapRasters::add(FrameId id, const cv::Mat& photo) {
+  cv::Mat thumbnail = orthoThumbnail(photo);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  thumbnails_[id] = std::move(thumbnail);
+}
+
+void MapRasters::add(const Tile& tile) { dsm_.add(tile); }
+
+void MapRasters::write(const std::vector<DenseView>& views,
+                       const std::vector<std::vector<ImageFrame>>& photos, TileStore& cloud,
+                       double matched_pixel_m, const std::filesystem::path& outdir,
+                       StageTimes& times) {
+  if (dsm_.empty() || (!options_.dsm && !options_.orthophoto)) return;
+  const std::filesystem::path dsm = outdir / "dsm.tif";
+  {
+    const StageTimes::Scope scope(times, "dsm", CpuClock::kProcess);
+    dsm_.write(cloud, dsm);
+  }
+  if (options_.orthophoto) {
+    const StageTimes::Scope scope(times, "orthophoto", CpuClock::kProcess);
+    writeOrtho(views, photos, matched_pixel_m, dsm, outdir);
+  }
+  if (!options_.dsm) std::filesystem::remove(dsm);
+}
+
+void MapRasters::writeOrtho(const std::vector<DenseView>& views,
+                            const std::vector<std::vector<ImageFrame>>& photos,
+                            double matched_pixel_m, const std::filesystem::path& dsm,
+                            const std::filesystem::path& outdir) const {
+  const double photo_m = photoGroundSize(views);
+  const double gsd_m = options_.orthophoto_gsd_m > 0 ? options_.orthophoto_gsd_m
+                                                     : std::max(photo_m, matched_pixel_m / 2);
+  std::vector<OrthoPhoto> ortho;
+  for (const DenseView& view : views) {
+    const auto thumbnail = thumbnails_.find(view.id);
+    ortho.push_back({view.T_world_cam, view.camera, static_cast<int>(view.id.uav),
+                     thumbnail == thumbnails_.end() ? cv::Mat() : thumbnail->second});
+  }
+  // No larger than the orthophoto can show.
+  const double reduction = std::min(1.0, photo_m / gsd_m);
+  const auto decode = [&](std::size_t i) {
+    const ImageFrame& photo = photos[views[i].id.uav][views[i].id.index];
+    const double full = 1e-6 * photo.camera.width * photo.camera.height;
+    const auto image = decodePhoto(photo, full * reduction * reduction);
+    return image ? image.value() : cv::Mat();
+  };
+  writeOrthophoto(outdir / "orthophoto.tif", dsm, grid_, ortho, decode, gsd_m);
+}
+
+}  // namespace cf
