@@ -189,6 +189,29 @@ TEST_P(LittleOverlap, IsOneSegmentOfTheRightShape) {
 /// Between photos [m].
 INSTANTIATE_TEST_SUITE_P(Step, LittleOverlap, testing::Values(24.4, 25.5));
 
+/// With a forward overlap of 50 % and 48 % no photo but its neighbours sees what a photo sees: the
+/// ground carries the scale from pair to pair.
+class HalfOverlap : public testing::TestWithParam<double> {};
+
+TEST_P(HalfOverlap, TheGroundCarriesTheScale) {
+  Flight flight(2);
+  const double step = GetParam();
+  for (int i = 0; i < 6; ++i) flight.take(-2.5 * step + i * step, 0, -M_PI / 2);
+  OdometryOptions options;
+  options.features.max_features = 1000;
+  const Keyframes keyframes = track(flight, options);
+  std::vector<std::size_t> all(keyframes.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+  EXPECT_EQ(segmentsOf(keyframes).size(), 1u);
+  const ShapeError error = shapeError(flight, keyframes, all);
+  RecordProperty("error", error.text());
+  EXPECT_LT(error.position, 0.02) << error.text();
+  EXPECT_LT(error.depth, 0.03) << error.text();
+}
+
+/// Between photos [m].
+INSTANTIATE_TEST_SUITE_P(Step, HalfOverlap, testing::Values(27.7, 28.8));
+
 /// Read noise of a cheap camera in bad light, and an exposure that swings by half from photo to
 /// photo.
 TEST(Odometry, NoiseAndExposureBreakNothing) {

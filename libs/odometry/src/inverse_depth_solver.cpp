@@ -36,13 +36,14 @@ AdjustedPose moved(const AdjustedPose& pose, const Vector6d& step) {
   return out;
 }
 
-/// Projection (2) of an anchored inverse depth into another photo, in that camera's frame, times
-/// the inverse depth: with it going to zero the point goes to infinity smoothly.
+/// Equation (2), projection of an anchored inverse depth into another photo, in that camera's
+/// frame, times the inverse depth: with it going to zero the point goes to infinity smoothly.
 Eigen::Vector3d inCamera(const AdjustedPose& anchor, const AdjustedPose& target,
                          const Eigen::Vector3d& ray, double inverse_depth) {
   return target.R.transpose() * (anchor.R * ray + inverse_depth * (anchor.t - target.t));
 }
 
+/// Minimises equation (1), the sum over the residuals of equation (3).
 class Solver {
  public:
   Solver(std::vector<AdjustedPose>& poses, std::vector<AdjustedPoint>& points, double huber)

@@ -27,7 +27,8 @@ struct AdjustedPoint {
   std::vector<Sighting> sightings;  ///< each from another pose than the anchor's and each other's
 };
 
-/// Minimises the robust sum (1) of the residuals (3) over poses and inverse depths (2), in place.
+/// Minimises equation (1), the robust sum of the residuals of equation (3), over poses and inverse
+/// depths (equation (2)), in place.
 /// A residual beyond `huber` on the normalized plane counts linearly. Levenberg-Marquardt; the
 /// inverse depths, each a number of its own, are eliminated (Schur). Deterministic. False, and
 /// nothing is changed, where a point starts behind a camera that sees it.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
@@ -16,7 +15,9 @@
 #include "cf/geometry/triangulation.h"
 #include "cf/geometry/two_view.h"
 #include "chain_alignment.h"
+#include "ground_scale.h"
 #include "guided_search.h"
+#include "keyframe_of.h"
 #include "local_adjustment.h"
 #include "local_map.h"
 #include "photo_pose.h"
@@ -34,6 +35,8 @@ constexpr double kGuidedRatio = 0.75;  ///< the best of a few must be better tha
 constexpr int kFewestForScale = 5;     ///< landmarks that give a baseline its length
 /// A resection may leave the photo's corners so uncertain, in inlier thresholds.
 constexpr double kMostStray = 3;
+/// Photos that share no landmark are far apart.
+constexpr double kLeastParallaxOverGround = 0.2;
 
 }  // namespace
 
@@ -61,7 +64,7 @@ class Odometry::Tracker {
   std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame,
                                                     PreparedPhoto prepared) {
     const PhotoIndex now = add(frame, std::move(prepared));
-    if (continueSegment(now))
+    if (continueSegment(now) || continueOverGround(now))
       matchGuided(now);
     else
       openSegment(now);
@@ -80,7 +83,9 @@ class Odometry::Tracker {
     return finalise(static_cast<PhotoIndex>(map_.photos.size()) - 1);
   }
 
-  Keyframe newest() const { return keyframeOf(static_cast<PhotoIndex>(map_.photos.size()) - 1); }
+  Keyframe newest() const {
+    return keyframeOf(map_, static_cast<PhotoIndex>(map_.photos.size()) - 1);
+  }
   const OdometryOptions& options() const { return options_; }
 
  private:
@@ -121,6 +126,39 @@ class Odometry::Tracker {
       if (segment >= 0 && poseIn(segment, now, matches_, false)) return true;
     }
     return false;
+  }
+
+  /// Where the last photo shares ground with `now` but no landmark (half a photo of overlap, or a
+  /// little more): two-view geometry, and the ground under the last photo for the length of the
+  /// baseline: one plane through its landmarks on the one half and what both see on the other.
+  bool continueOverGround(PhotoIndex now) {
+    if (now == 0 || map_.photo(now - 1).segment < 0) return false;
+    const TrackedPhoto& last = map_.photo(now - 1);
+    TrackedPhoto& target = map_.photo(now);
+    const auto view = twoViewOf(last, target, matchesWith(now - 1, now), false);
+    if (!view || view->median_parallax_rad < kLeastParallaxOverGround) return false;
+    std::vector<GroundSight> known, measured;
+    const std::vector<float> inverse_depth = keyframeOf(map_, now - 1).inverse_depth;
+    for (std::size_t f = 0; f < inverse_depth.size(); ++f)
+      if (inverse_depth[f] > 0)
+        known.push_back({last.normalized[f], static_cast<double>(inverse_depth[f])});
+    const Matches& matches = matches_[now - 1];
+    for (std::size_t k = 0; k < matches.size(); ++k) {
+      if (!view->inlier[k]) continue;
+      const Eigen::Vector2d& here = last.normalized[static_cast<std::size_t>(matches[k].a)];
+      const auto point =
+          triangulate({{Eigen::Isometry3d::Identity(), here},
+                       {view->T_a_b, target.normalized[static_cast<std::size_t>(matches[k].b)]}});
+      if (point && point->max_error < threshold_)
+        measured.push_back({here, 1 / point->position.z()});
+    }
+    const auto scale = scaleByGround(known, measured);
+    if (!scale) return false;
+    Eigen::Isometry3d T_last_cam = view->T_a_b;
+    T_last_cam.translation() *= *scale;
+    target.segment = last.segment;
+    target.T_local_cam = last.T_local_cam * T_last_cam;
+    return true;
   }
 
   /// Poses a photo on the landmarks that its matches with other photos see. `flipped` where the
@@ -186,12 +224,7 @@ class Odometry::Tracker {
       if (map_.photo(i).segment == segment && (other < 0 || all.size() >= matches.at(other).size()))
         other = i;
     const TrackedPhoto& posed = map_.photo(other);
-    std::vector<Eigen::Vector2d> a, b;
-    for (const FeatureMatch& m : matches.at(other)) {
-      a.push_back(posed.normalized[static_cast<std::size_t>(flipped ? m.b : m.a)]);
-      b.push_back(target.normalized[static_cast<std::size_t>(flipped ? m.a : m.b)]);
-    }
-    const auto view = estimateTwoView(a, b, twoViewOptions());
+    const auto view = twoViewOf(posed, target, matches.at(other), flipped);
     if (!view) return std::nullopt;
     const auto pose =
         poseByScaledTwoView(posed.T_local_cam, view->T_a_b, seen, threshold_, kFewestForScale);
@@ -213,6 +246,17 @@ class Odometry::Tracker {
     }
   }
 
+  /// Of `target` (b) against `posed` (a); `flipped` where the matches have it the other way round.
+  Result<TwoView> twoViewOf(const TrackedPhoto& posed, const TrackedPhoto& target,
+                            const Matches& matches, bool flipped) const {
+    std::vector<Eigen::Vector2d> a, b;
+    for (const FeatureMatch& m : matches) {
+      a.push_back(posed.normalized[static_cast<std::size_t>(flipped ? m.b : m.a)]);
+      b.push_back(target.normalized[static_cast<std::size_t>(flipped ? m.a : m.b)]);
+    }
+    return estimateTwoView(a, b, twoViewOptions());
+  }
+
   TwoViewOptions twoViewOptions() const {
     TwoViewOptions options;
     options.threshold = threshold_ / 2;
@@ -227,12 +271,7 @@ class Odometry::Tracker {
     TwoView best_view;
     for (PhotoIndex i = firstOfWindow(now); i < now; ++i) {
       if (!isAlone(i)) continue;
-      std::vector<Eigen::Vector2d> a, b;
-      for (const FeatureMatch& m : matchesWith(i, now)) {
-        a.push_back(map_.photo(i).normalized[static_cast<std::size_t>(m.a)]);
-        b.push_back(map_.photo(now).normalized[static_cast<std::size_t>(m.b)]);
-      }
-      const auto view = estimateTwoView(a, b, twoViewOptions());
+      const auto view = twoViewOf(map_.photo(i), map_.photo(now), matchesWith(i, now), false);
       if (!view) continue;
       const double score = view->inliers * std::min(0.3, view->median_parallax_rad);
       if (score <= best_score) continue;
@@ -327,61 +366,11 @@ class Odometry::Tracker {
       TrackedPhoto& photo = map_.photo(finalised_);
       if (photo.segment < 0) photo.segment = segments_++;
       photo.final = true;
-      Keyframe keyframe = keyframeOf(finalised_);
-      keepBest(photo, keyframe);
-      out.push_back(std::make_shared<const Keyframe>(std::move(keyframe)));
+      out.push_back(std::make_shared<const Keyframe>(
+          withBestFeatures(keyframeOf(map_, finalised_), map_, finalised_,
+                           static_cast<std::size_t>(options_.keyframe_features))));
     }
     return out;
-  }
-
-  Keyframe keyframeOf(PhotoIndex i) const {
-    const TrackedPhoto& photo = map_.photo(i);
-    Keyframe k;
-    k.id = photo.frame.id;
-    k.time = photo.frame.time;
-    k.name = photo.frame.name;
-    k.segment = photo.segment;
-    k.T_local_cam = photo.T_local_cam;
-    k.camera = photo.frame.camera;
-    k.attitude = photo.frame.attitude;
-    k.height_above_ground_m = photo.frame.height_above_ground_m;
-    k.matches = photo.matches;
-    k.inverse_depth.assign(photo.landmark.size(), 0.0f);
-    const Eigen::Isometry3d T_cam_local = photo.T_local_cam.inverse();
-    for (std::size_t f = 0; f < photo.landmark.size(); ++f) {
-      if (photo.landmark[f] < 0) continue;
-      const Landmark& landmark = map_.landmarks[static_cast<std::size_t>(photo.landmark[f])];
-      const double depth = (T_cam_local * map_.position(landmark)).z();
-      if (depth <= 0) continue;
-      k.inverse_depth[f] = static_cast<float>(1 / depth);
-      ++k.inliers;
-    }
-    return k;
-  }
-
-  /// The features that leave, up to the seam's budget: first those that a third photo confirms,
-  /// then those with a landmark. Within a class they stay in the order in which they are spread.
-  void keepBest(const TrackedPhoto& photo, Keyframe& keyframe) const {
-    std::vector<int> order(photo.landmark.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto sights = [&](int f) {
-      const int id = photo.landmark[static_cast<std::size_t>(f)];
-      if (id < 0) return std::size_t{0};
-      const auto& all = map_.landmarks[static_cast<std::size_t>(id)].observations;
-      return std::min<std::size_t>(3, all.size());
-    };
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return sights(a) > sights(b); });
-    const auto budget = static_cast<std::size_t>(options_.keyframe_features);
-    if (order.size() > budget) order.resize(budget);
-    std::sort(order.begin(), order.end());
-    keyframe.features = std::make_shared<const FeatureSet>(subset(*photo.features, order));
-    std::vector<float> inverse_depth;
-    for (const int f : order) {
-      inverse_depth.push_back(keyframe.inverse_depth[static_cast<std::size_t>(f)]);
-      keyframe.chain.push_back(photo.chain[static_cast<std::size_t>(f)]);
-    }
-    keyframe.inverse_depth = std::move(inverse_depth);
   }
 
   int landmarkAt(PhotoIndex photo, int feature) const {
