@@ -37,37 +37,6 @@ Points readPoints(const std::filesystem::path& file, const Move& move) {
   return points;
 }
 
-/// Heights of cloud points above the surface where it is smooth.
-Json heightFigures(const Points& samples, const HeightGrid& grid,
-                   std::optional<double> matched_size_m) {
-  std::vector<double> errors;
-  std::vector<Eigen::Vector2d> places;
-  for (const Eigen::Vector3f& p : samples)
-    if (const auto z = grid.smoothHeight(p.head<2>().cast<double>())) {
-      places.emplace_back(p.head<2>().cast<double>());
-      errors.push_back(static_cast<double>(p.z()) - *z);
-    }
-  if (errors.empty()) return nullptr;
-  const auto flat = withoutBend(places, errors);
-  Json out = {{"m", spreadOf(errors)}, {"without_bend_m", flat ? spreadOf(*flat) : Json(nullptr)}};
-  if (!matched_size_m) return out;
-  const auto inSizes = [&](std::vector<double> values) {
-    for (double& v : values) v /= *matched_size_m;
-    return values;
-  };
-  const std::vector<double> sizes = inSizes(errors);
-  out["without_bend_matched_pixels"] = flat ? spreadOf(inSizes(*flat)) : Json(nullptr);
-  const auto within = [&](double limit) {
-    return static_cast<double>(std::count_if(sizes.begin(), sizes.end(),
-                                             [&](double e) { return std::abs(e) <= limit; })) /
-           static_cast<double>(sizes.size());
-  };
-  out["matched_pixels"] = spreadOf(sizes);
-  out["within_1_matched_pixel"] = within(1);
-  out["within_1.5_matched_pixels"] = within(1.5);
-  return out;
-}
-
 /// Is one of the surfaces that the photos really see within `reach_m` of the point? Looks at the
 /// true depths about its pixel in each photo: walls and ground below crowns are surfaces, too,
 /// which a model of the topmost one lacks.
@@ -96,6 +65,41 @@ bool onSeenSurface(const std::vector<TruthView>& views, const Eigen::Vector3d& p
       }
     return false;
   });
+}
+
+/// Heights of cloud points above the topmost surface where it is smooth; points on another one, as
+/// a facade or the ground below a crown, do not count.
+Json heightFigures(const Points& samples, const HeightGrid& grid,
+                   const std::vector<TruthView>& views, std::optional<double> matched_size_m) {
+  std::vector<double> errors;
+  std::vector<Eigen::Vector2d> places;
+  for (const Eigen::Vector3f& sample : samples) {
+    const Eigen::Vector3d p = sample.cast<double>();
+    const auto z = grid.smoothHeight(p.head<2>());
+    if (!z) continue;
+    if (std::abs(p.z() - *z) > kFlying_m && onSeenSurface(views, p, kFlying_m)) continue;
+    places.emplace_back(p.head<2>());
+    errors.push_back(p.z() - *z);
+  }
+  if (errors.empty()) return nullptr;
+  const auto flat = withoutBend(places, errors);
+  Json out = {{"m", spreadOf(errors)}, {"without_bend_m", flat ? spreadOf(*flat) : Json(nullptr)}};
+  if (!matched_size_m) return out;
+  const auto inSizes = [&](std::vector<double> values) {
+    for (double& v : values) v /= *matched_size_m;
+    return values;
+  };
+  const std::vector<double> sizes = inSizes(errors);
+  out["without_bend_matched_pixels"] = flat ? spreadOf(inSizes(*flat)) : Json(nullptr);
+  const auto within = [&](double limit) {
+    return static_cast<double>(std::count_if(sizes.begin(), sizes.end(),
+                                             [&](double e) { return std::abs(e) <= limit; })) /
+           static_cast<double>(sizes.size());
+  };
+  out["matched_pixels"] = spreadOf(sizes);
+  out["within_1_matched_pixel"] = within(1);
+  out["within_1.5_matched_pixels"] = within(1.5);
+  return out;
 }
 
 /// Flying: farther than a metre from every surface. Between the heights of cells within one cell of
@@ -209,7 +213,7 @@ RunSection cloudFigures(const RunInputs& run, const std::vector<TruthView>& view
   if (std::filesystem::exists(dsm)) {
     const HeightGrid grid = readHeightGrid(dsm);
     const Points samples = everyNth(clouds.estimate, kMaxSamples);
-    out["height"] = heightFigures(samples, grid, matched_size_m);
+    out["height"] = heightFigures(samples, grid, views, matched_size_m);
     out["flying"] = flyingFigures(samples, grid, KdTree<3>(clouds.reference), views);
   }
   try {
