@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kWindow = 512;  ///< nodes
 constexpr int kWindowsAtOnce = 2;
-constexpr std::size_t kCropsBytes = 200U << 20;
+constexpr std::size_t kCropsBytes = 300U << 20;
 
 /// Windows in an order that keeps those in work side by side few: along the shorter side.
 std::vector<cv::Rect> windowsOf(cv::Size size) {

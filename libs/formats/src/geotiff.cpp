@@ -119,10 +119,10 @@ void GeoTiffWriter::write(int column, int row, const cv::Mat& window) {
   if (window.type() != CV_8UC4) throw RunError(path_.string() + ": colours must be CV_8UC4");
   cv::Mat pixels = window.isContinuous() ? window : window.clone();
   const int line = static_cast<int>(pixels.step);
-  for (int band = 1; band <= 3; ++band)
-    if (GDALRasterIO(GDALGetRasterBand(dataset, band), GF_Write, column, row, width, height,
-                     pixels.data + (3 - band), width, height, GDT_Byte, 4, line) != CE_None)
-      failGdal(path_, "cannot be written");
+  std::array<int, 3> bands = {3, 2, 1};  // blue comes first
+  if (GDALDatasetRasterIO(dataset, GF_Write, column, row, width, height, pixels.data, width, height,
+                          GDT_Byte, 3, bands.data(), 4, line, 1) != CE_None)
+    failGdal(path_, "cannot be written");
   const GDALRasterBandH mask = GDALGetMaskBand(GDALGetRasterBand(dataset, 1));
   if (GDALRasterIO(mask, GF_Write, column, row, width, height, pixels.data + 3, width, height,
                    GDT_Byte, 4, line) != CE_None)

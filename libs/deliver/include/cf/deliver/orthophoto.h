@@ -30,7 +30,7 @@ struct OrthoPhoto {
 ///
 /// `decode` gives photo i in colour at any scale, empty where it cannot be read; it is called from
 /// several threads. Each photo is decoded once, or again where more of them are needed side by side
-/// than 200 MB hold. Pixels have about `gsd_m`: a cell of the surface holds a whole number of them,
+/// than 300 MB hold. Pixels have about `gsd_m`: a cell of the surface holds a whole number of them,
 /// or they a whole number of cells. No data: the mask. Throws RunError naming the path.
 void writeOrthophoto(const std::filesystem::path& path, const std::filesystem::path& dsm,
                      const GridFrame& grid, const std::vector<OrthoPhoto>& photos,
