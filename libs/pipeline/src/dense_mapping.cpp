@@ -4,6 +4,10 @@
 
 #include <tbb/parallel_pipeline.h>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -26,8 +30,9 @@ namespace cf {
 namespace {
 
 /// Photos in memory while pairs are matched; partners are mostly neighbours.
-constexpr std::size_t kCachedPhotos = 16;
-constexpr std::size_t kPhotosInFlight = 4;
+constexpr std::size_t kCachedPhotos = 12;
+constexpr std::size_t kPhotosInFlight = 3;
+constexpr int kPhotosPerRelease = 8;
 
 std::vector<DenseView> denseViews(const Alignment& alignment) {
   std::vector<DenseView> views;
@@ -48,6 +53,14 @@ double matchedGroundSize(const std::vector<DenseView>& views, double megapixels)
   }
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<long>(sizes.size() / 2), sizes.end());
   return sizes[sizes.size() / 2];
+}
+
+/// Gives memory that is free, but kept for later, back to the system: images and points of changing
+/// sizes leave holes that add up to hundreds of MB.
+void releaseFreeMemory() {
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
 }
 
 /// What one photo adds to the map.
@@ -117,6 +130,8 @@ class DenseMapper {
     choosePairs();
     Progress progress("densify", views_.size());
     std::size_t next = 0;
+    int fused = 0;
+    releaseFreeMemory();  // of localisation
     tbb::parallel_pipeline(
         kPhotosInFlight,
         tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
@@ -132,6 +147,7 @@ class DenseMapper {
             tbb::make_filter<std::shared_ptr<Contribution>, void>(
                 tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Contribution>& c) {
                   fuse(*c, map);
+                  if (++fused % kPhotosPerRelease == 0) releaseFreeMemory();
                   progress.advance();
                 }));
   }

@@ -10,7 +10,7 @@ namespace cf {
 struct FuseOptions {
   double voxel_m = 0;         ///< 0 = automatic, see resolved()
   double tile_m = 0;          ///< side of a tile; 0 = automatic
-  int max_memory_mb = 400;    ///< tiles in memory beyond it are written and leave
+  int max_memory_mb = 300;    ///< tiles in memory beyond it are written and leave
   int min_views = 1;          ///< delivered voxels were seen by so many depth frames
   double min_confidence = 0;  ///< and have this sum of weights
   int trusted_views = 3;      ///< voxels seen by so many are never taken for flying points
