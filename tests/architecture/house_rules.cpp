@@ -58,7 +58,8 @@ const std::vector<Origin> kIncludes = {
     {std::regex("(sys|linux|bits)/.*"), "standard"},
     {std::regex("immintrin\\.h"), "standard"},  // the compiler's own
     {std::regex("zlib\\.h"), "zlib"},
-    {std::regex("(dirent|dlfcn|fcntl|malloc|poll|pthread|sched|signal|stdlib|string|time|unistd)\\.h"),
+    {std::regex(
+         "(dirent|dlfcn|fcntl|malloc|poll|pthread|sched|signal|stdlib|string|time|unistd)\\.h"),
      "standard"},
     {std::regex("Eigen/.*"), "eigen"},
     {std::regex("opencv2/core(\\.hpp|/.*)"), "opencv_core"},
