@@ -329,6 +329,44 @@ TEST(Odometry, AHoveringStartGetsPosesOnceItMoves) {
   }
 }
 
+/// The distortion is told as none: found, the flight is as straight as with the true lens.
+TEST(Odometry, FindsADistortionThatItWasNotTold) {
+  Flight told = twoLines(8);
+  Flight untold = told;
+  for (ImageFrame& photo : untold.photos) {
+    photo.camera.k1 = photo.camera.k2 = 0;
+    photo.camera.k1_sigma = photo.camera.k2_sigma = 0.1;
+  }
+  const CameraModel truth = support::distortedCamera();
+  ASSERT_GT(std::abs(truth.k1), 0.02);
+  const Keyframes found = track(untold);
+  OdometryOptions as_given;
+  as_given.calibration_photos = 0;
+  const Keyframes bent = track(untold, as_given);
+  ASSERT_EQ(found.size(), 12u);
+  for (const auto& keyframe : found) {
+    EXPECT_EQ(keyframe->camera.k1, found.front()->camera.k1);
+    EXPECT_NEAR(keyframe->camera.k1, truth.k1, 0.15 * std::abs(truth.k1));
+    EXPECT_EQ(keyframe->camera.fx, truth.fx);
+  }
+  for (const auto& keyframe : bent) EXPECT_EQ(keyframe->camera.k1, 0);
+  ASSERT_EQ(segmentsOf(found).size(), 1u);
+  const auto error = shapeError(untold, found, segmentsOf(found).at(0));
+  const auto error_bent = shapeError(untold, bent, segmentsOf(bent).at(0));
+  RecordProperty("found", error.text());
+  RecordProperty("bent", error_bent.text());
+  EXPECT_LT(error.position, 0.006) << error.text();
+  EXPECT_LT(error.position, 0.5 * error_bent.position) << error.text() << error_bent.text();
+}
+
+/// A lens that was told right, with doubt, stays as told, and so does one told without doubt.
+TEST(Odometry, LeavesALensThatIsRight) {
+  Flight flight = twoLines(8);
+  for (ImageFrame& photo : flight.photos) photo.camera.k1_sigma = photo.camera.k2_sigma = 0.1;
+  for (const auto& keyframe : track(flight))
+    EXPECT_EQ(keyframe->camera.k1, support::distortedCamera().k1);
+}
+
 TEST(Odometry, IsDeterministic) {
   Flight flight(8);
   for (int i = 0; i < 5; ++i) flight.take(-28 + 14 * i, 0, -M_PI / 2);

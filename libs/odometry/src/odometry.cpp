@@ -21,6 +21,7 @@
 #include "local_adjustment.h"
 #include "local_map.h"
 #include "photo_pose.h"
+#include "self_calibration.h"
 
 namespace cf {
 namespace {
@@ -50,6 +51,8 @@ void OdometryOptions::visit(OptionVisitor& v) {
   v.integer("keyframe_features", keyframe_features, {100, 20000},
             "features that a keyframe carries to the central node");
   v.integer("delay", delay, {0, 20}, "photos that must follow before a keyframe is final");
+  v.integer("calibration_photos", calibration_photos, {0, 50},
+            "first photos that radial distortion is estimated from; 0: the lens stays as given");
 }
 
 PreparedPhoto preparePhoto(const ImageFrame& frame, const OdometryOptions& options) {
@@ -75,12 +78,16 @@ class Odometry::Tracker {
     }
     for (const auto& [i, matches] : matches_)
       map_.photo(now).matches += static_cast<int>(matches.size());
+    if (!lens_settled_ && now + 1 >= options_.calibration_photos) settleLens(now, false);
+    auto keyframes = finalise(lens_settled_ ? now - options_.delay : -1);
     forgetOld(now);
-    return finalise(now - options_.delay);
+    return keyframes;
   }
 
   std::vector<std::shared_ptr<const Keyframe>> flush() {
-    return finalise(static_cast<PhotoIndex>(map_.photos.size()) - 1);
+    const auto last = static_cast<PhotoIndex>(map_.photos.size()) - 1;
+    if (!lens_settled_ && last >= 0) settleLens(last, true);
+    return finalise(last);
   }
 
   Keyframe newest() const {
@@ -95,15 +102,50 @@ class Odometry::Tracker {
     TrackedPhoto photo;
     photo.frame = frame;
     photo.frame.image.release();
+    // One lens for the whole flight, as found.
+    if (calibrated_ && sameLens(frame.camera, given_)) photo.frame.camera = *calibrated_;
+    const CameraModel& camera = photo.frame.camera;
+    if (map_.photos.empty())
+      lens_settled_ = options_.calibration_photos == 0 || !(camera.k1_sigma > 0);
     photo.features = std::make_shared<FeatureSet>(std::move(prepared.features));
     photo.grey = prepared.grey;
-    photo.normalized = normalizedPoints(*photo.features, frame.camera);
+    photo.normalized = normalizedPoints(*photo.features, camera);
     photo.landmark.assign(photo.features->size(), -1);
     photo.chain = photo.landmark;
-    threshold_ = options_.inlier_px * photo.features->pixel_size / frame.camera.fx;
+    threshold_ = options_.inlier_px * photo.features->pixel_size / camera.fx;
     matches_.clear();
     map_.photos.push_back(std::move(photo));
     return static_cast<PhotoIndex>(map_.photos.size()) - 1;
+  }
+
+  /// Radial distortion from the first photos, as soon as enough are posed, all in one segment; the
+  /// lens stays as given if that takes twice as many.
+  void settleLens(PhotoIndex now, bool last) {
+    std::vector<PhotoIndex> posed;
+    bool alike = true;
+    for (PhotoIndex i = 0; i <= now; ++i) {
+      if (map_.photo(i).segment < 0) continue;
+      posed.push_back(i);
+      alike = alike && map_.photo(i).segment == map_.photo(posed.front()).segment &&
+              sameLens(map_.photo(i).frame.camera, map_.photo(posed.front()).frame.camera);
+    }
+    const auto enough = static_cast<std::size_t>(std::max(3, options_.calibration_photos / 2));
+    const bool ready = alike && posed.size() >= enough;
+    lens_settled_ = ready || last || now + 1 >= 2 * options_.calibration_photos;
+    if (!ready) return;
+    given_ = map_.photo(posed.front()).frame.camera;
+    if (!calibrateRadial(map_, posed, threshold_)) return;
+    calibrated_ = map_.photo(posed.front()).frame.camera;
+    for (PhotoIndex i = 0; i <= now; ++i) {
+      TrackedPhoto& unposed = map_.photo(i);
+      if (unposed.segment >= 0 || !sameLens(unposed.frame.camera, given_)) continue;
+      unposed.frame.camera = *calibrated_;
+      unposed.normalized = normalizedPoints(*unposed.features, *calibrated_);
+    }
+  }
+
+  static bool sameLens(const CameraModel& a, const CameraModel& b) {
+    return a.width == b.width && a.height == b.height && a.fx == b.fx && a.k1 == b.k1;
   }
 
   PhotoIndex firstOfWindow(PhotoIndex now) const {
@@ -355,9 +397,9 @@ class Odometry::Tracker {
 
   void forgetOld(PhotoIndex now) {
     const PhotoIndex old = now - std::max(options_.match_window, options_.delay) - 1;
-    if (old < 0) return;
-    map_.photo(old).features.reset();
-    map_.photo(old).grey.release();
+    if (old >= 0) map_.photo(old).grey.release();
+    for (; forgotten_ <= old && map_.photo(forgotten_).final; ++forgotten_)
+      map_.photo(forgotten_).features.reset();
   }
 
   std::vector<std::shared_ptr<const Keyframe>> finalise(PhotoIndex last) {
@@ -383,6 +425,10 @@ class Odometry::Tracker {
   double threshold_ = 0;                   ///< inlier distance on the normalized plane
   int segments_ = 0;
   PhotoIndex finalised_ = 0;
+  PhotoIndex forgotten_ = 0;  ///< photos without their features any more
+  bool lens_settled_ = false;
+  CameraModel given_;
+  std::optional<CameraModel> calibrated_;  ///< for `given_`
 };
 
 Odometry::Odometry(const OdometryOptions& options) : tracker_(std::make_unique<Tracker>(options)) {}

@@ -22,6 +22,9 @@ struct OdometryOptions {
   int adjustment_window = 7;     ///< photos in the local bundle adjustment
   int keyframe_features = 2000;  ///< that a keyframe carries to the central node
   int delay = 2;                 ///< photos that must follow before a keyframe is final
+  /// First photos of a UAV from which an uncertain radial distortion is estimated before any of
+  /// them is final; 0: the lens stays as given.
+  int calibration_photos = 8;
 
   void visit(OptionVisitor& v);
 };
@@ -39,7 +42,9 @@ PreparedPhoto preparePhoto(const ImageFrame& frame, const OdometryOptions& optio
 /// frame of its segment. Photos are matched to the last few, posed by resection (or, where no
 /// segment can be continued, by two-view geometry, which opens a new one) and refined by a local
 /// bundle adjustment with inverse depths, equations (2) and (3). A keyframe leaves once `delay`
-/// later photos have come; from then on its pose is fixed: the local frame never jumps.
+/// later photos have come; from then on its pose is fixed: the local frame never jumps. The first
+/// ones wait until the radial distortion has been estimated from them, if it was given with a sigma:
+/// keyframes carry the camera found.
 class Odometry {
  public:
   explicit Odometry(const OdometryOptions& options);
