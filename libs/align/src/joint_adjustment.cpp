@@ -20,6 +20,7 @@
 namespace cf {
 namespace {
 
+constexpr int kDraftShare = 3;  ///< a draft adjusts one point of so many
 constexpr double kTangentialSigma = 0.002;
 constexpr double kCentreDeviation = 0.25;       ///< between UAVs, of the prior's sigma
 constexpr double kDistortionDeviation = 0.005;  ///< of k1 and k2 between UAVs
@@ -78,8 +79,9 @@ class Adjustment {
       chains = triangulated(parts_.chains);
       noise_.measure(graph_, triangulated(parts_.detections), chains, photos, last);
     }
-    links = choosePoints(graph_, links, options_.points_per_photo);
-    chains = choosePoints(graph_, chains, options_.points_per_photo);
+    const int wanted = options_.points_per_photo / (problem_.draft ? kDraftShare : 1);
+    links = choosePoints(graph_, links, wanted);
+    chains = choosePoints(graph_, chains, wanted);
     if (links.empty() && chains.empty()) return;
     solve(links, chains, round.loss_sigmas, last);
   }

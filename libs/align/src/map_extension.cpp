@@ -13,7 +13,7 @@ namespace cf {
 namespace {
 
 /// Adjusted beside the fresh photos, and held around them, for each fresh one.
-constexpr std::size_t kFreePartners = 2, kHeldPartners = 4;
+constexpr std::size_t kFreePartners = 1, kHeldPartners = 2;
 
 /// The newest photo of a segment up to `id` that is in the map.
 std::optional<FrameId> anchorOf(const MatchGraph& graph, const GrowingMap& map, FrameId id,

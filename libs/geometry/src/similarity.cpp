@@ -63,6 +63,11 @@ Result<Sim3> alignPoints(const std::vector<Eigen::Vector3d>& a,
   return S;
 }
 
+namespace {
+constexpr int kMostRounds = 500;
+constexpr double kMissed = 1e-6;  ///< chance that no sample was without outlier
+}  // namespace
+
 Result<RobustAlignment> alignPointsRobust(const std::vector<Eigen::Vector3d>& a,
                                           const std::vector<Eigen::Vector3d>& b,
                                           AlignmentModel model, double threshold, int min_inliers,
@@ -89,7 +94,8 @@ Result<RobustAlignment> alignPointsRobust(const std::vector<Eigen::Vector3d>& a,
     return out;
   };
   std::vector<Eigen::Vector3d> sa(sample), sb(sample);
-  for (int round = 0; round < 500; ++round) {
+  int rounds = kMostRounds;
+  for (int round = 0; round < rounds; ++round) {
     for (std::size_t k = 0; k < sample; ++k) {
       const std::size_t i = random() % a.size();
       sa[k] = a[i];
@@ -98,7 +104,11 @@ Result<RobustAlignment> alignPointsRobust(const std::vector<Eigen::Vector3d>& a,
     const auto S = alignPoints(sa, sb, model);
     if (!S || !std::isfinite(S->scale) || S->scale <= 0) continue;
     RobustAlignment candidate = classify(*S);
-    if (candidate.inliers > best.inliers) best = std::move(candidate);
+    if (candidate.inliers <= best.inliers) continue;
+    best = std::move(candidate);
+    const double share = static_cast<double>(best.inliers) / static_cast<double>(a.size());
+    const double pure = std::pow(share, static_cast<double>(sample));  // a sample without outlier
+    rounds = std::min(rounds, static_cast<int>(std::log(kMissed) / std::log1p(-pure)) + 1);
   }
   for (int round = 0; round < 5 && best.inliers >= min_inliers; ++round) {
     const auto S = alignPoints(subsetOf(a, best.inlier), subsetOf(b, best.inlier), model);

@@ -44,7 +44,8 @@ struct JointProblem {
   std::vector<CameraModel> cameras;  ///< by UAV
   double median_depth_m = 0;         ///< for the scale of the weak priors
   bool cameras_held = false;
-  /// For a map that a later one replaces: detections alone (a third of the time), no covariances.
+  /// For a map that a later one replaces: fewer points, detections alone, no covariances; a tenth of
+  /// the time.
   bool draft = false;
 };
 
