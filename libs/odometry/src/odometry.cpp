@@ -105,14 +105,14 @@ class Odometry::Tracker {
     // One lens for the whole flight, as found.
     if (calibrated_ && sameLens(frame.camera, given_)) photo.frame.camera = *calibrated_;
     const CameraModel& camera = photo.frame.camera;
-    if (map_.photos.empty())
-      lens_settled_ = options_.calibration_photos == 0 || !(camera.k1_sigma > 0);
     photo.features = std::make_shared<FeatureSet>(std::move(prepared.features));
     photo.grey = prepared.grey;
     photo.normalized = normalizedPoints(*photo.features, camera);
     photo.landmark.assign(photo.features->size(), -1);
     photo.chain = photo.landmark;
     threshold_ = options_.inlier_px * photo.features->pixel_size / camera.fx;
+    if (map_.photos.empty())
+      lens_settled_ = options_.calibration_photos == 0 || radialDoubt(camera) < threshold_;
     matches_.clear();
     map_.photos.push_back(std::move(photo));
     return static_cast<PhotoIndex>(map_.photos.size()) - 1;
@@ -142,6 +142,12 @@ class Odometry::Tracker {
       unposed.frame.camera = *calibrated_;
       unposed.normalized = normalizedPoints(*unposed.features, *calibrated_);
     }
+  }
+
+  /// How far features at the corners may be off by the sigma of k1, on the normalized plane.
+  static double radialDoubt(const CameraModel& camera) {
+    const double radius = Eigen::Vector2d(camera.width, camera.height).norm() / (2 * camera.fx);
+    return camera.k1_sigma * radius * radius * radius;
   }
 
   static bool sameLens(const CameraModel& a, const CameraModel& b) {

@@ -43,8 +43,8 @@ PreparedPhoto preparePhoto(const ImageFrame& frame, const OdometryOptions& optio
 /// segment can be continued, by two-view geometry, which opens a new one) and refined by a local
 /// bundle adjustment with inverse depths, equations (2) and (3). A keyframe leaves once `delay`
 /// later photos have come; from then on its pose is fixed: the local frame never jumps. The first
-/// ones wait until the radial distortion has been estimated from them, if it was given with a sigma:
-/// keyframes carry the camera found.
+/// ones wait until the radial distortion has been estimated from them, if it was given with a sigma
+/// that matters: keyframes carry the camera found.
 class Odometry {
  public:
   explicit Odometry(const OdometryOptions& options);
