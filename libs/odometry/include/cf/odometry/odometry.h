@@ -24,7 +24,7 @@ struct OdometryOptions {
   int delay = 2;                 ///< photos that must follow before a keyframe is final
   /// First photos of a UAV from which an uncertain radial distortion is estimated before any of
   /// them is final; 0: the lens stays as given.
-  int calibration_photos = 8;
+  int calibration_photos = 6;
 
   void visit(OptionVisitor& v);
 };
