@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <set>
 #include <string>
@@ -160,23 +161,37 @@ TEST_P(WholeFlight, IsOneSegmentOfTheRightShape) {
 /// Height of the roof [m]: exactly level ground, and a house.
 INSTANTIATE_TEST_SUITE_P(Roof, WholeFlight, testing::Values(0.0, 8.0));
 
+Flight straight(double roof_m, int photos, double step_m) {
+  Flight flight(roof_m);
+  for (int i = 0; i < photos; ++i) flight.take((i - 0.5 * (photos - 1)) * step_m, 0, -M_PI / 2);
+  return flight;
+}
+
+OdometryOptions fewFeatures() {
+  OdometryOptions options;
+  options.features.max_features = 1000;
+  return options;
+}
+
+/// Of a flight that should be one segment.
+ShapeError errorOfOneSegment(const Flight& flight, const Keyframes& keyframes) {
+  std::vector<std::size_t> all(keyframes.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  EXPECT_EQ(segmentsOf(keyframes).size(), 1u);
+  const ShapeError error = shapeError(flight, keyframes, all);
+  testing::Test::RecordProperty("error", error.text());
+  return error;
+}
+
 /// With a forward overlap of 56 % and 54 % the photo before last sees an eighth, and a twelfth of a
 /// photo: the few landmarks in that strip at the edge do not hold a pose, but they give the
 /// baseline its length.
 class LittleOverlap : public testing::TestWithParam<double> {};
 
 TEST_P(LittleOverlap, IsOneSegmentOfTheRightShape) {
-  Flight flight(8);
-  const double step = GetParam();
-  for (int i = 0; i < 8; ++i) flight.take(-3.5 * step + i * step, 0, -M_PI / 2);
-  OdometryOptions options;
-  options.features.max_features = 1000;
-  const Keyframes keyframes = track(flight, options);
-  std::vector<std::size_t> all(keyframes.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-  EXPECT_EQ(segmentsOf(keyframes).size(), 1u);
-  const ShapeError error = shapeError(flight, keyframes, all);
-  RecordProperty("error", error.text());
+  const Flight flight = straight(8, 8, GetParam());
+  const Keyframes keyframes = track(flight, fewFeatures());
+  const ShapeError error = errorOfOneSegment(flight, keyframes);
   EXPECT_LT(error.position, 0.002) << error.text();
   // Positions on one line leave the whole free to roll about it: rotations from photo to photo.
   for (std::size_t i = 1; i < keyframes.size(); ++i) {
@@ -194,17 +209,8 @@ INSTANTIATE_TEST_SUITE_P(Step, LittleOverlap, testing::Values(24.4, 25.5));
 class HalfOverlap : public testing::TestWithParam<double> {};
 
 TEST_P(HalfOverlap, TheGroundCarriesTheScale) {
-  Flight flight(2);
-  const double step = GetParam();
-  for (int i = 0; i < 6; ++i) flight.take(-2.5 * step + i * step, 0, -M_PI / 2);
-  OdometryOptions options;
-  options.features.max_features = 1000;
-  const Keyframes keyframes = track(flight, options);
-  std::vector<std::size_t> all(keyframes.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-  EXPECT_EQ(segmentsOf(keyframes).size(), 1u);
-  const ShapeError error = shapeError(flight, keyframes, all);
-  RecordProperty("error", error.text());
+  const Flight flight = straight(2, 6, GetParam());
+  const ShapeError error = errorOfOneSegment(flight, track(flight, fewFeatures()));
   EXPECT_LT(error.position, 0.02) << error.text();
   EXPECT_LT(error.depth, 0.03) << error.text();
 }

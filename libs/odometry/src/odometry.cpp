@@ -62,7 +62,8 @@ PreparedPhoto preparePhoto(const ImageFrame& frame, const OdometryOptions& optio
 
 class Odometry::Tracker {
  public:
-  explicit Tracker(const OdometryOptions& options) : options_(options) {}
+  explicit Tracker(const OdometryOptions& options)
+      : options_(options), lens_(options.calibration_photos) {}
 
   std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame,
                                                     PreparedPhoto prepared) {
@@ -78,16 +79,15 @@ class Odometry::Tracker {
     }
     for (const auto& [i, matches] : matches_)
       map_.photo(now).matches += static_cast<int>(matches.size());
-    if (!lens_settled_ && now + 1 >= options_.calibration_photos) settleLens(now, false);
-    auto keyframes = finalise(lens_settled_ ? now - options_.delay : -1);
+    lens_.look(map_, false, threshold_);
+    auto keyframes = finalise(lens_.settled() ? now - options_.delay : -1);
     forgetOld(now);
     return keyframes;
   }
 
   std::vector<std::shared_ptr<const Keyframe>> flush() {
-    const auto last = static_cast<PhotoIndex>(map_.photos.size()) - 1;
-    if (!lens_settled_ && last >= 0) settleLens(last, true);
-    return finalise(last);
+    lens_.look(map_, true, threshold_);
+    return finalise(static_cast<PhotoIndex>(map_.photos.size()) - 1);
   }
 
   Keyframe newest() const {
@@ -102,8 +102,7 @@ class Odometry::Tracker {
     TrackedPhoto photo;
     photo.frame = frame;
     photo.frame.image.release();
-    // One lens for the whole flight, as found.
-    if (calibrated_ && sameLens(frame.camera, given_)) photo.frame.camera = *calibrated_;
+    photo.frame.camera = lens_.use(frame.camera);
     const CameraModel& camera = photo.frame.camera;
     photo.features = std::make_shared<FeatureSet>(std::move(prepared.features));
     photo.grey = prepared.grey;
@@ -111,47 +110,10 @@ class Odometry::Tracker {
     photo.landmark.assign(photo.features->size(), -1);
     photo.chain = photo.landmark;
     threshold_ = options_.inlier_px * photo.features->pixel_size / camera.fx;
-    if (map_.photos.empty())
-      lens_settled_ = options_.calibration_photos == 0 || radialDoubt(camera) < threshold_;
+    if (map_.photos.empty()) lens_.begin(camera, threshold_);
     matches_.clear();
     map_.photos.push_back(std::move(photo));
     return static_cast<PhotoIndex>(map_.photos.size()) - 1;
-  }
-
-  /// Radial distortion from the first photos, as soon as enough are posed, all in one segment; the
-  /// lens stays as given if that takes twice as many.
-  void settleLens(PhotoIndex now, bool last) {
-    std::vector<PhotoIndex> posed;
-    bool alike = true;
-    for (PhotoIndex i = 0; i <= now; ++i) {
-      if (map_.photo(i).segment < 0) continue;
-      posed.push_back(i);
-      alike = alike && map_.photo(i).segment == map_.photo(posed.front()).segment &&
-              sameLens(map_.photo(i).frame.camera, map_.photo(posed.front()).frame.camera);
-    }
-    const auto enough = static_cast<std::size_t>(std::max(3, options_.calibration_photos / 2));
-    const bool ready = alike && posed.size() >= enough;
-    lens_settled_ = ready || last || now + 1 >= 2 * options_.calibration_photos;
-    if (!ready) return;
-    given_ = map_.photo(posed.front()).frame.camera;
-    if (!calibrateRadial(map_, posed, threshold_)) return;
-    calibrated_ = map_.photo(posed.front()).frame.camera;
-    for (PhotoIndex i = 0; i <= now; ++i) {
-      TrackedPhoto& unposed = map_.photo(i);
-      if (unposed.segment >= 0 || !sameLens(unposed.frame.camera, given_)) continue;
-      unposed.frame.camera = *calibrated_;
-      unposed.normalized = normalizedPoints(*unposed.features, *calibrated_);
-    }
-  }
-
-  /// How far features at the corners may be off by the sigma of k1, on the normalized plane.
-  static double radialDoubt(const CameraModel& camera) {
-    const double radius = Eigen::Vector2d(camera.width, camera.height).norm() / (2 * camera.fx);
-    return camera.k1_sigma * radius * radius * radius;
-  }
-
-  static bool sameLens(const CameraModel& a, const CameraModel& b) {
-    return a.width == b.width && a.height == b.height && a.fx == b.fx && a.k1 == b.k1;
   }
 
   PhotoIndex firstOfWindow(PhotoIndex now) const {
@@ -426,15 +388,13 @@ class Odometry::Tracker {
   }
 
   const OdometryOptions options_;
+  LensSearch lens_;
   LocalMap map_;
   std::map<PhotoIndex, Matches> matches_;  ///< of the newest photo, by earlier photo
   double threshold_ = 0;                   ///< inlier distance on the normalized plane
   int segments_ = 0;
   PhotoIndex finalised_ = 0;
   PhotoIndex forgotten_ = 0;  ///< photos without their features any more
-  bool lens_settled_ = false;
-  CameraModel given_;
-  std::optional<CameraModel> calibrated_;  ///< for `given_`
 };
 
 Odometry::Odometry(const OdometryOptions& options) : tracker_(std::make_unique<Tracker>(options)) {}

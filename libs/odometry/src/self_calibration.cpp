@@ -175,6 +175,16 @@ void apply(const Scene& scene, const CameraModel& camera, const std::vector<Phot
   }
 }
 
+/// How far features at the corners may be off by the sigma of k1, on the normalized plane.
+double radialDoubt(const CameraModel& camera) {
+  const double radius = Eigen::Vector2d(camera.width, camera.height).norm() / (2 * camera.fx);
+  return camera.k1_sigma * radius * radius * radius;
+}
+
+bool sameLens(const CameraModel& a, const CameraModel& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.k1 == b.k1;
+}
+
 }  // namespace
 
 bool calibrateRadial(LocalMap& map, const std::vector<PhotoIndex>& photos, double threshold) {
@@ -199,6 +209,40 @@ bool calibrateRadial(LocalMap& map, const std::vector<PhotoIndex>& photos, doubl
   adjust(map, photos, given, true, sigma, again);
   use(again);
   return true;
+}
+
+void LensSearch::begin(const CameraModel& given, double threshold) {
+  settled_ = photos_ == 0 || radialDoubt(given) < threshold;
+}
+
+CameraModel LensSearch::use(const CameraModel& given) const {
+  return found_ && sameLens(given, given_) ? *found_ : given;
+}
+
+void LensSearch::look(LocalMap& map, bool last, double threshold) {
+  const auto all = static_cast<PhotoIndex>(map.photos.size());
+  if (settled_ || all == 0 || (all < photos_ && !last)) return;
+  std::vector<PhotoIndex> posed;
+  bool alike = true;
+  for (PhotoIndex i = 0; i < all; ++i) {
+    const TrackedPhoto& photo = map.photo(i);
+    if (photo.segment < 0) continue;
+    posed.push_back(i);
+    const TrackedPhoto& first = map.photo(posed.front());
+    alike =
+        alike && photo.segment == first.segment && sameLens(photo.frame.camera, first.frame.camera);
+  }
+  const bool ready = alike && static_cast<int>(posed.size()) >= std::max(3, photos_ / 2);
+  settled_ = ready || last || all >= 2 * photos_;
+  if (!ready) return;
+  given_ = map.photo(posed.front()).frame.camera;
+  if (!calibrateRadial(map, posed, threshold)) return;
+  found_ = map.photo(posed.front()).frame.camera;
+  for (TrackedPhoto& photo : map.photos) {
+    if (photo.segment >= 0 || !sameLens(photo.frame.camera, given_)) continue;
+    photo.frame.camera = *found_;
+    photo.normalized = normalizedPoints(*photo.features, *found_);
+  }
 }
 
 }  // namespace cf
