@@ -15,6 +15,7 @@
 #include "cf/odometry/odometry.h"
 #include "cf/pipeline/run_options.h"
 #include "cf/rawlog/rawlog_reader.h"
+#include "cf/types/chain_step.h"
 
 namespace cf {
 
@@ -23,23 +24,6 @@ struct ReadyPhoto {
   ImageFrame frame;  ///< without pixels
   PreparedPhoto photo;
   std::string damage;  ///< why it cannot be used; empty: it can
-};
-
-/// What a UAV hands over the seam when one of its photos has been processed, or at the end.
-struct ChainStep {
-  std::uint16_t uav = 0;
-  std::vector<GeoKeyframe> keyframes;  ///< that became final
-  /// All of the UAV's segments as it knows them alone, those of its newest keyframe last.
-  std::shared_ptr<const std::vector<GeoSegment>> segments;
-  GnssQuality gnss;
-  /// The photo itself, before it is final: its segment and pose there. None if it is damaged.
-  struct Newest {
-    FrameId photo;
-    int segment = 0;
-    Eigen::Isometry3d T_local_cam = Eigen::Isometry3d::Identity();
-    std::optional<Eigen::Isometry3d> T_world_cam;  ///< as the UAV knows it alone
-  };
-  std::optional<Newest> newest;
 };
 
 /// One UAV's odometry and georeference: the part of the system that can run aboard.
