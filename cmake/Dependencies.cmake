@@ -41,6 +41,12 @@ add_library(cf_octomap INTERFACE)
 target_link_libraries(cf_octomap INTERFACE ${OCTOMAP_LIBRARIES})
 target_include_directories(cf_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
 
+find_path(CF_ZSTD_INCLUDE_DIR zstd.h REQUIRED)
+find_library(CF_ZSTD_LIBRARY zstd REQUIRED)
+add_library(cf_zstd INTERFACE)
+target_link_libraries(cf_zstd INTERFACE ${CF_ZSTD_LIBRARY})
+target_include_directories(cf_zstd SYSTEM INTERFACE ${CF_ZSTD_INCLUDE_DIR})
+
 if(CF_BUILD_TESTS)
   find_package(GTest REQUIRED)
 endif()

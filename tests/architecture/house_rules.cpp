@@ -32,7 +32,7 @@ const std::map<std::string, Lib> kLibs = {
     {"geometry", {2, {"opencv", "ceres"}}},
     {"geodesy", {2, {"geographiclib"}}},
     {"rawlog", {2, {"mrpt", "zlib"}}},
-    {"formats", {2, {"opencv", "pcl", "gdal", "json"}}},
+    {"formats", {2, {"opencv", "pcl", "gdal", "json", "protobuf", "zlib", "zstd"}}},
     {"config", {2, {"mrpt", "json"}}},
     {"odometry", {3, {"opencv", "ceres", "tbb"}}},
     {"georeference", {3, {"opencv", "ceres", "mrpt", "tbb"}}},
@@ -58,6 +58,8 @@ const std::vector<Origin> kIncludes = {
     {std::regex("(sys|linux|bits)/.*"), "standard"},
     {std::regex("immintrin\\.h"), "standard"},  // the compiler's own
     {std::regex("zlib\\.h"), "zlib"},
+    {std::regex("zstd\\.h"), "zstd"},
+    {std::regex("google/protobuf/.*"), "protobuf"},
     {std::regex(
          "(dirent|dlfcn|fcntl|malloc|poll|pthread|sched|signal|stdlib|string|time|unistd)\\.h"),
      "standard"},
@@ -93,6 +95,8 @@ const std::vector<Origin> kTargets = {
     {std::regex("TBB::tbb"), "tbb"},
     {std::regex("CLI11::CLI11"), "cli11"},
     {std::regex("ZLIB::ZLIB"), "zlib"},
+    {std::regex("cf_zstd"), "zstd"},
+    {std::regex("protobuf::libprotobuf(-lite)?"), "protobuf"},
     {std::regex("embree"), "embree"},
 };
 

@@ -3,9 +3,12 @@
 #include "cf/formats/depth_frame_file.h"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
+#include <cstring>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <random>
 
 #include "cf/base/error.h"
 #include "support/temp_folder.h"
@@ -18,9 +21,17 @@ DepthFrame exampleFrame() {
   frame.reference = {3, 70'000};
   frame.partner = {1, 12};
   frame.reference_view = {Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()).toRotationMatrix(),
-                          812.25, 99.5, -12.125, 160, 120};
-  frame.partner_view = {Eigen::AngleAxisd(1.3, Eigen::Vector3d::UnitX()).toRotationMatrix(), 812.25,
-                        140.5, -12.125, 200, 120};
+                          812.25,
+                          99.5,
+                          -12.125,
+                          160,
+                          120};
+  frame.partner_view = {Eigen::AngleAxisd(1.3, Eigen::Vector3d::UnitX()).toRotationMatrix(),
+                        812.25,
+                        140.5,
+                        -12.125,
+                        200,
+                        120};
   frame.reference_camera.width = 4000;
   frame.reference_camera.height = 3000;
   frame.reference_camera.fx = frame.reference_camera.fy = 2400.125;
@@ -71,14 +82,89 @@ TEST(DepthFrameFile, keepsEverythingButTheLastBitsOfColour) {
   EXPECT_LT(cv::norm(read.colour, written.colour, cv::NORM_L1) / (3.0 * 120 * 160), 3.0);
 }
 
+/// Values of any kind: steps over the whole range, confidence where nothing matched and none where
+/// something did.
+DepthFrame wildFrame(cv::Size size) {
+  DepthFrame frame = exampleFrame();
+  frame.reference_view.width = size.width;
+  frame.reference_view.height = size.height;
+  frame.disparity.create(size, CV_16U);
+  frame.confidence.create(size, CV_8U);
+  frame.colour.create(size, CV_8UC3);
+  std::mt19937 random(7);
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      const auto bits = random();
+      frame.disparity.at<ushort>(v, u) =
+          bits % 5 == 0 ? 0 : static_cast<ushort>(bits % 3 == 0 ? bits >> 16 : 4000 + (bits >> 24));
+      frame.confidence.at<uchar>(v, u) = static_cast<uchar>(bits >> 8);
+      frame.colour.at<cv::Vec3b>(v, u) = {90, 80, static_cast<uchar>(bits >> 4)};
+    }
+  }
+  return frame;
+}
+
+TEST(DepthFrameFile, losesNoDisparityOfAnyKind) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 40), cv::Size(40, 1), cv::Size(97, 61)}) {
+    const DepthFrame written = wildFrame(size);
+    const DepthFrame read = decodeDepthFrame(encodeDepthFrame(written), "test");
+    EXPECT_TRUE(same(read.disparity, written.disparity));
+    EXPECT_TRUE(same(read.confidence, written.confidence));
+    EXPECT_EQ(read.colour.size(), size);
+  }
+}
+
+TEST(DepthFrameFile, isAQuarterOfItsPixelsWhereTheSurfaceIsSmooth) {
+  DepthFrame frame = exampleFrame();
+  frame.confidence.setTo(200);
+  frame.colour.setTo(cv::Scalar(80, 90, 100));
+  EXPECT_LT(encodeDepthFrame(frame).size(), frame.disparity.total() / 4);
+}
+
+TEST(DepthFrameFile, trustsNoLengthEvenIfTheChecksumIsRight) {
+  const std::string bytes = encodeDepthFrame(wildFrame({24, 16}));
+  const std::size_t start_of_scan = bytes.rfind("\xFF\xDA");  // after it there are no lengths
+  int refused = 0;
+  for (std::size_t at = 8; at < start_of_scan; ++at) {
+    for (const int value : {0x00, 0x7F, 0xFF}) {
+      std::string changed = bytes.substr(0, bytes.size() - 4);
+      changed[at] = static_cast<char>(value);
+      const auto crc = static_cast<std::uint32_t>(
+          crc32_z(0, reinterpret_cast<const Bytef*>(changed.data()), changed.size()));
+      changed.append(reinterpret_cast<const char*>(&crc), sizeof crc);
+      try {
+        const DepthFrame read = decodeDepthFrame(changed, "test");
+        EXPECT_EQ(read.disparity.size(), read.colour.size());
+        EXPECT_EQ(read.disparity.size(), read.confidence.size());
+      } catch (const RunError&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
+TEST(DepthFrameFile, isNoneToOneWhoOnlyTries) {
+  const support::TempFolder folder;
+  EXPECT_FALSE(tryReadDepthFrame(folder / "none.depth"));
+  EXPECT_FALSE(tryReadDepthFrame(folder.path()));
+  const std::string bytes = encodeDepthFrame(exampleFrame());
+  support::writeText(folder / "a.depth", bytes.substr(0, bytes.size() - 1));
+  EXPECT_FALSE(tryReadDepthFrame(folder / "a.depth"));
+  support::writeText(folder / "a.depth", bytes);
+  const auto read = tryReadDepthFrame(folder / "a.depth");
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(same(read->disparity, exampleFrame().disparity));
+}
+
 TEST(DepthFrameFile, refusesDamageNamingTheFile) {
   const support::TempFolder folder;
   const std::string bytes = encodeDepthFrame(exampleFrame());
   std::string flipped = bytes;
   flipped[bytes.size() / 2] = static_cast<char>(flipped[bytes.size() / 2] ^ 1);
   for (const std::string& bad :
-       {flipped, bytes.substr(0, bytes.size() - 1), bytes.substr(0, 40), std::string(),
-        bytes + "x", std::string("not a depth frame at all")}) {
+       {flipped, bytes.substr(0, bytes.size() - 1), bytes.substr(0, 40), std::string(), bytes + "x",
+        std::string("not a depth frame at all")}) {
     support::writeText(folder / "bad.depth", bad);
     try {
       readDepthFrame(folder / "bad.depth");

@@ -2,32 +2,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cf/formats/depth_frame_file.h"
 
+#include <zlib.h>
+
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
+#include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "cf/base/error.h"
 #include "cf/formats/atomic_file.h"
+#include "disparity_code.h"
+#include "file_bytes.h"
 
 namespace cf {
 namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the file is little endian");
 
-constexpr char kMagic[8] = {'C', 'F', 'D', 'E', 'P', 'T', 'H', '1'};
-constexpr std::size_t kChecksumBytes = 8;
+constexpr char kMagic[8] = {'C', 'F', 'D', 'E', 'P', 'T', 'H', '2'};
+constexpr int kJpegQuality = 90;
+/// A JPEG of any content takes more than a byte for so many pixels: no file makes us allocate more.
+constexpr std::size_t kMaxPixelsPerByte = 256;
 
-/// FNV-1a, 64 bit.
-std::uint64_t checksum(const char* data, std::size_t bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (std::size_t k = 0; k < bytes; ++k) {
-    hash = (hash ^ static_cast<unsigned char>(data[k])) * 0x100000001b3U;
-  }
-  return hash;
+std::uint32_t checksum(const char* data, std::size_t bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(data), bytes));
 }
 
 class Encoder {
@@ -37,11 +38,9 @@ class Encoder {
     static_assert(std::is_arithmetic_v<T>);
     raw(&value, sizeof value);
   }
-  void operator()(const cv::Mat& image, const char* extension, const std::vector<int>& parameters) {
-    std::vector<uchar> bytes;
-    cv::imencode(extension, image, bytes, parameters);
-    (*this)(static_cast<std::uint64_t>(bytes.size()));
-    raw(bytes.data(), bytes.size());
+  void operator()(std::string_view part) {
+    (*this)(static_cast<std::uint64_t>(part.size()));
+    raw(part.data(), part.size());
   }
   void raw(const void* data, std::size_t bytes) {
     out_.append(static_cast<const char*>(data), bytes);
@@ -57,48 +56,46 @@ class Encoder {
 
 class Decoder {
  public:
-  Decoder(const std::string& bytes, const std::string& source) : bytes_(bytes), source_(source) {
-    if (bytes.size() < sizeof kMagic + kChecksumBytes ||
-        std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0) {
+  Decoder(const std::string& bytes, const std::string& source) : left_(bytes), source_(source) {
+    std::uint32_t stored = 0;
+    if (left_.size() < sizeof kMagic + sizeof stored ||
+        std::memcmp(left_.data(), kMagic, sizeof kMagic) != 0) {
       fail("is not a depth frame of this version");
     }
-    end_ = bytes.size() - kChecksumBytes;
-    std::uint64_t stored = 0;
-    std::memcpy(&stored, bytes.data() + end_, sizeof stored);
-    if (stored != checksum(bytes.data(), end_)) fail("is damaged: its checksum does not match");
-    at_ = sizeof kMagic;
+    left_.remove_suffix(sizeof stored);
+    std::memcpy(&stored, left_.data() + left_.size(), sizeof stored);
+    if (stored != checksum(left_.data(), left_.size())) {
+      fail("is damaged: its checksum does not match");
+    }
+    left_.remove_prefix(sizeof kMagic);
   }
   template <class T>
   void operator()(T& value) {
     static_assert(std::is_arithmetic_v<T>);
-    std::memcpy(&value, take(sizeof value), sizeof value);
+    std::memcpy(&value, take(sizeof value).data(), sizeof value);
   }
-  void operator()(cv::Mat& image, int type, cv::Size size) {
+  std::string_view part() {
     std::uint64_t bytes = 0;
     (*this)(bytes);
-    const char* from = take(bytes);
-    const std::vector<uchar> data(from, from + bytes);
-    if (!data.empty()) image = cv::imdecode(data, cv::IMREAD_UNCHANGED);
-    if (image.type() != type || image.size() != size) fail("is damaged: an image does not fit");
+    return take(bytes);
   }
   void finish() {
-    if (at_ != end_) fail("is damaged: there are bytes to spare");
+    if (!left_.empty()) fail("is damaged: there are bytes to spare");
   }
-
- private:
-  const char* take(std::uint64_t bytes) {
-    if (bytes > end_ - at_) fail("is damaged: it ends early");
-    const char* from = bytes_.data() + at_;
-    at_ += static_cast<std::size_t>(bytes);
-    return from;
-  }
-  [[noreturn]] void fail(const char* what) {
+  [[noreturn]] void fail(const char* what) const {
     throw RunError("depth frame " + source_ + " " + what + "; delete it and match again");
   }
 
-  const std::string& bytes_;
+ private:
+  std::string_view take(std::uint64_t bytes) {
+    if (bytes > left_.size()) fail("is damaged: it ends early");
+    const std::string_view out = left_.substr(0, static_cast<std::size_t>(bytes));
+    left_.remove_prefix(out.size());
+    return out;
+  }
+
+  std::string_view left_;
   std::string source_;
-  std::size_t at_ = 0, end_ = 0;
 };
 
 /// One list of the plain fields for both ways.
@@ -134,16 +131,42 @@ void codeFields(Coder& code, Frame& frame) {
   code(frame.disparity_offset_px);
 }
 
+/// The size that a JPEG's first frame header tells; 0 x 0 if there is none.
+cv::Size jpegSize(std::string_view jpeg) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(jpeg[k]); };
+  const auto word = [&](std::size_t k) { return byte(k) << 8 | byte(k + 1); };
+  for (std::size_t at = 2; at + 9 <= jpeg.size() && byte(at) == 0xFF;) {
+    const int marker = byte(at + 1);
+    const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker % 4 != 0;
+    if (is_frame || marker == 0xC0) return {word(at + 7), word(at + 5)};
+    at += 2 + static_cast<std::size_t>(word(at + 2));
+  }
+  return {};
+}
+
+cv::Mat decodedColour(std::string_view jpeg, cv::Size size) {
+  if (jpegSize(jpeg) != size) return {};
+  const auto* first = reinterpret_cast<const uchar*>(jpeg.data());
+  try {
+    return cv::imdecode(std::vector<uchar>(first, first + jpeg.size()), cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
 }  // namespace
 
 std::string encodeDepthFrame(const DepthFrame& frame) {
   Encoder encode;
   encode.raw(kMagic, sizeof kMagic);
   codeFields(encode, frame);
-  const std::vector<int> png = {cv::IMWRITE_PNG_COMPRESSION, 1};
-  encode(frame.disparity, ".png", png);
-  encode(frame.confidence, ".png", png);
-  encode(frame.colour, ".jpg", {cv::IMWRITE_JPEG_QUALITY, 90});
+  const DisparityCode code = encodeDisparity(frame.disparity, frame.confidence);
+  for (const auto* part : {&code.residuals, &code.surprises, &code.confidences}) {
+    encode(std::string_view(*part));
+  }
+  std::vector<uchar> jpeg;
+  cv::imencode(".jpg", frame.colour, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  encode(std::string_view(reinterpret_cast<const char*>(jpeg.data()), jpeg.size()));
   return encode.finish();
 }
 
@@ -152,10 +175,22 @@ DepthFrame decodeDepthFrame(const std::string& bytes, const std::string& source)
   DepthFrame frame;
   codeFields(decode, frame);
   const cv::Size size(frame.reference_view.width, frame.reference_view.height);
-  decode(frame.disparity, CV_16UC1, size);
-  decode(frame.confidence, CV_8UC1, size);
-  decode(frame.colour, CV_8UC3, size);
+  if (size.width <= 0 || size.height <= 0 ||
+      static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) >
+          kMaxPixelsPerByte * bytes.size()) {
+    decode.fail("is damaged: its size is impossible");
+  }
+  const std::string_view residuals = decode.part(), surprises = decode.part(),
+                         confidences = decode.part(), jpeg = decode.part();
   decode.finish();
+  if (!decodeDisparity(residuals, surprises, confidences, size, frame.disparity,
+                       frame.confidence)) {
+    decode.fail("is damaged: its disparity does not fit");
+  }
+  frame.colour = decodedColour(jpeg, size);
+  if (frame.colour.size() != size || frame.colour.type() != CV_8UC3) {
+    decode.fail("is damaged: its colour does not fit");
+  }
   return frame;
 }
 
@@ -164,10 +199,19 @@ void writeDepthFrame(const std::filesystem::path& path, const DepthFrame& frame)
 }
 
 DepthFrame readDepthFrame(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw RunError("cannot read depth frame " + path.string());
-  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  return decodeDepthFrame(bytes, path.string());
+  const auto bytes = fileBytes(path);
+  if (!bytes) throw RunError("cannot read depth frame " + path.string());
+  return decodeDepthFrame(*bytes, path.string());
+}
+
+std::optional<DepthFrame> tryReadDepthFrame(const std::filesystem::path& path) {
+  const auto bytes = fileBytes(path);
+  if (!bytes) return std::nullopt;
+  try {
+    return decodeDepthFrame(*bytes, path.string());
+  } catch (const RunError&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace cf
