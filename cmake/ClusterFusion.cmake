@@ -9,8 +9,16 @@ add_library(cf_compile_options INTERFACE)
 target_compile_options(cf_compile_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
   -Wno-psabi -ffp-contract=off $<$<BOOL:${CF_WERROR}>:-Werror>)
+if(CF_BUILD_FUZZERS)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    message(FATAL_ERROR "CF_BUILD_FUZZERS needs clang: configure with -DCMAKE_CXX_COMPILER=clang++")
+  endif()
+  set(CF_SANITIZE address,undefined)
+  target_compile_options(cf_compile_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 if(CF_SANITIZE)
-  target_compile_options(cf_compile_options INTERFACE -fsanitize=${CF_SANITIZE} -fno-omit-frame-pointer -g)
+  target_compile_options(cf_compile_options INTERFACE
+    -fsanitize=${CF_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g)
   target_link_options(cf_compile_options INTERFACE -fsanitize=${CF_SANITIZE})
 endif()
 

@@ -16,6 +16,9 @@ namespace {
 
 bool isBlank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
 
+/// Blanks and the end of a line of Windows are none.
+bool isControl(char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0 && !isBlank(c); }
+
 /// The lines of an ini turned into sections; every line must have a meaning.
 class IniScanner {
  public:
@@ -23,6 +26,8 @@ class IniScanner {
 
   void takeLine(const std::string& raw) {
     ++line_;
+    if (std::any_of(raw.begin(), raw.end(), isControl))
+      fail("holds a control character; is this a text file?");
     const std::string line = withoutComment(raw);
     if (line.empty()) return;
     if (line.front() == '[')
@@ -96,10 +101,14 @@ std::vector<IniSection> readIniFile(const std::filesystem::path& file) {
   }
   auto sections = std::move(scanner).sections();
 
-  const mrpt::config::CConfigFile values(file.string());
-  for (auto& section : sections)
-    for (auto& entry : section.entries)
-      entry.value = withoutComment(values.read_string(section.name, entry.key, "", true));
+  try {
+    const mrpt::config::CConfigFile values(file.string());
+    for (auto& section : sections)
+      for (auto& entry : section.entries)
+        entry.value = withoutComment(values.read_string(section.name, entry.key, "", true));
+  } catch (const std::exception&) {  // where it sees another file than our check has seen
+    throw UsageError(fmt::format("{}: cannot be read as an ini: write it anew", file.string()));
+  }
   return sections;
 }
 

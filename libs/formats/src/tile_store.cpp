@@ -57,6 +57,8 @@ DirectoryTileStore DirectoryTileStore::open(const fs::path& directory) {
   try {
     json = nlohmann::json::parse(in);
     DirectoryTileStore store(directory, json.at("tile_size_m"), json.at("voxel_size_m"));
+    if (!(store.tile_size_m_ > 0 && store.voxel_size_m_ > 0))
+      throw RunError("cannot read " + list.string() + ": its sizes must be above zero");
     for (const auto& item : fs::directory_iterator(directory / "tiles")) {
       if (const auto index = indexOf(item.path())) {
         const Tile tile = readPcd(item.path());

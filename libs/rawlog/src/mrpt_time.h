@@ -4,6 +4,8 @@
 
 #include <mrpt/core/Clock.h>
 
+#include <optional>
+
 #include "cf/base/time.h"
 
 namespace cf {
@@ -17,8 +19,12 @@ inline mrpt::Clock::time_point mrptTime(TimeNs t) {
   return mrpt::Clock::time_point(mrpt::Clock::duration(ticks + kTicksTo1970));
 }
 
-inline TimeNs timeOf(mrpt::Clock::time_point t) {
-  return (static_cast<std::int64_t>(t.time_since_epoch().count()) - kTicksTo1970) * kNsPerTick;
+/// None before 1970 and from 2200 on: there the time was never set, or is damaged.
+inline std::optional<TimeNs> timeOf(mrpt::Clock::time_point t) {
+  constexpr std::int64_t kTicksTo2200 = kTicksTo1970 + 7'258'118'400 * (kNsPerSecond / kNsPerTick);
+  const auto ticks = static_cast<std::int64_t>(t.time_since_epoch().count());
+  if (ticks < kTicksTo1970 || ticks >= kTicksTo2200) return std::nullopt;
+  return (ticks - kTicksTo1970) * kNsPerTick;
 }
 
 }  // namespace cf

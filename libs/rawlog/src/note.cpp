@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
@@ -13,6 +14,8 @@ namespace cf {
 namespace {
 
 constexpr const char* kFirstLine = "clusterfusion note 1";
+// Beyond these a value is damaged.
+constexpr double kMost = 1e6, kLeastSigma_m = 1e-5;
 
 /// All numbers of a text, or none if any part of it is not a finite number.
 std::vector<double> numbers(const std::string& text) {
@@ -27,9 +30,9 @@ std::vector<double> numbers(const std::string& text) {
   return values;
 }
 
-std::optional<double> number(const std::string& text) {
+std::optional<double> number(const std::string& text, double min, double max) {
   const std::vector<double> values = numbers(text);
-  if (values.size() != 1) return std::nullopt;
+  if (values.size() != 1 || values[0] < min || values[0] > max) return std::nullopt;
   return values[0];
 }
 
@@ -44,18 +47,19 @@ void set(Note& note, const std::string& key, const std::string& value) {
   if (key == "sensor") note.sensor = value;
   if (key == "image") note.image = value;
   if (key == "name") note.name = value;
-  if (key == "focal_sigma_px") note.focal_sigma_px = number(value);
-  if (key == "k1_sigma") note.k1_sigma = number(value);
-  if (key == "k2_sigma") note.k2_sigma = number(value);
-  if (key == "height_above_ground_m") note.height_above_ground_m = number(value);
+  if (key == "focal_sigma_px") note.focal_sigma_px = number(value, 0, kMost);
+  if (key == "k1_sigma") note.k1_sigma = number(value, 0, kMost);
+  if (key == "k2_sigma") note.k2_sigma = number(value, 0, kMost);
+  if (key == "height_above_ground_m") note.height_above_ground_m = number(value, -kMost, kMost);
   if (key == "datum") note.datum = datumFromText(value);
   if (key == "camera_version") {
-    const std::optional<double> version = number(value);
-    if (version && *version >= 0) note.camera_version = static_cast<unsigned>(*version);
+    const std::optional<double> version = number(value, 0, kMost);
+    if (version) note.camera_version = static_cast<unsigned>(*version);
   }
   if (key == "sigma_enu_m") {
     const std::vector<double> v = numbers(value);
-    if (v.size() == 3 && v[0] > 0 && v[1] > 0 && v[2] > 0)
+    if (v.size() == 3 && *std::min_element(v.begin(), v.end()) >= kLeastSigma_m &&
+        *std::max_element(v.begin(), v.end()) <= kMost)
       note.sigma_enu_m = Eigen::Vector3d(v[0], v[1], v[2]);
   }
 }

@@ -7,20 +7,19 @@
 #include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
-#include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/serialization/CArchive.h>
-#include <zlib.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <set>
-#include <system_error>
 
 #include "cf/base/error.h"
 #include "mrpt_time.h"
 #include "note.h"
+#include "rawlog_records.h"
 
 namespace cf {
 namespace {
@@ -39,12 +38,9 @@ struct Observations {
   std::vector<mrpt::obs::CObservationGPS::Ptr> fixes;
   std::vector<mrpt::obs::CObservationIMU::Ptr> attitudes;
   std::vector<mrpt::obs::CObservationComment::Ptr> comments;
-  std::size_t objects = 0;
 
   void add(const mrpt::serialization::CSerializable::Ptr& object) {
-    if (auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object)) {
-      for (const auto& observation : *frame) add(observation);
-    } else if (auto image = std::dynamic_pointer_cast<mrpt::obs::CObservationImage>(object)) {
+    if (auto image = std::dynamic_pointer_cast<mrpt::obs::CObservationImage>(object)) {
       images.push_back(image);
     } else if (auto gps = std::dynamic_pointer_cast<mrpt::obs::CObservationGPS>(object)) {
       fixes.push_back(gps);
@@ -56,61 +52,39 @@ struct Observations {
   }
 };
 
-/// A gzip-compressed or plain file, in the form that MRPT's archives read from. MRPT's own stream
-/// cannot tell the end of a file that breaks off between two objects from the regular end.
-class GzipInput {
- public:
-  explicit GzipInput(const fs::path& path)
-      : name_(path.string()), file_(gzopen(path.c_str(), "rb")) {}
-  ~GzipInput() { gzclose_r(file_); }
-  GzipInput(const GzipInput&) = delete;
-  GzipInput& operator=(const GzipInput&) = delete;
-
-  bool isOpen() const { return file_ != nullptr; }
-  std::size_t Read(void* to, std::size_t bytes) {
-    const std::size_t got = gzfread(to, 1, bytes, file_);
-    count_ += got;
-    return got;
-  }
-  std::size_t Write(const void*, std::size_t) { return 0; }
-  std::string getStreamDescription() const { return name_; }
-
-  std::size_t count() const { return count_; }  ///< bytes read
-  bool damaged() const {
-    int code = Z_OK;
-    gzerror(file_, &code);
-    return code != Z_OK;
-  }
-
- private:
-  std::string name_;
-  gzFile file_;
-  std::size_t count_ = 0;
-};
-
 Observations readAll(const fs::path& rawlog, Warnings& warnings) {
-  std::error_code ignored;
-  GzipInput input(rawlog);
-  if (!fs::is_regular_file(rawlog, ignored) || !input.isOpen())
-    throw RunError(fmt::format("{} cannot be read: there is no such rawlog", rawlog.string()));
-  auto archive = mrpt::serialization::archiveFrom(input);
+  RawlogRecords records(rawlog);
   Observations all;
-  std::size_t complete = 0;  // bytes of whole objects
-  bool broken = false;
-  try {
-    for (;; ++all.objects, complete = input.count()) all.add(archive.ReadObject());
-  } catch (const mrpt::serialization::CExceptionEOF&) {
-    broken = input.damaged() || input.count() != complete;
-  } catch (const std::exception&) {
-    broken = true;
-  }
-  if (broken && all.objects != 0)
-    warnings.push_back(fmt::format("{} breaks off after {} records: the rest is lost",
-                                   rawlog.filename().string(), all.objects));
-  if (all.objects == 0)
+  while (const auto record = records.next()) all.add(record);
+  const RawlogRecords::Counts& counts = records.counts();
+  const std::string name = rawlog.filename().string();
+  if (counts.read + counts.with_pixels + counts.outdated + counts.other_classes.size() == 0)
     throw RunError(
         fmt::format("{} cannot be read: it is no rawlog, or an empty one", rawlog.string()));
+  if (counts.breaks_off)
+    warnings.push_back(
+        fmt::format("{} breaks off after {} records: the rest is lost", name, counts.read));
+  if (counts.damaged != 0)
+    warnings.push_back(fmt::format("{}: {} damaged records are left out", name, counts.damaged));
+  if (counts.with_pixels != 0)
+    warnings.push_back(fmt::format(
+        "{}: {} images are stored inside the rawlog and left out: store them externally", name,
+        counts.with_pixels));
+  if (counts.outdated != 0)
+    warnings.push_back(fmt::format(
+        "{}: {} records of an MRPT older than 1.4 are left out: write it anew with rawlog-edit",
+        name, counts.outdated));
+  if (!counts.other_classes.empty())
+    warnings.push_back(fmt::format("{}: records of other classes are not used: {}", name,
+                                   fmt::join(counts.other_classes, ", ")));
   return all;
+}
+
+/// Fit for one line of a report.
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
+  return text;
 }
 
 /// Leaves the observations of one sensor: the one named, or the only one there is.
@@ -118,16 +92,17 @@ template <class Observation>
 void keepSensor(std::vector<std::shared_ptr<Observation>>& observations, const std::string& label,
                 const char* key, const fs::path& rawlog) {
   std::set<std::string> labels;
-  for (const auto& o : observations) labels.insert(o->sensorLabel);
+  for (const auto& o : observations) labels.insert(printable(o->sensorLabel));
   if (label.empty() ? labels.size() > 1 : labels.count(label) == 0)
     throw UsageError(
         fmt::format("{}: {} must be one of the sensors in it ({}){}", rawlog.string(), key,
                     labels.empty() ? "there is none" : fmt::format("{}", fmt::join(labels, ", ")),
                     label.empty() ? "" : ", not '" + label + "'"));
   if (label.empty()) return;
-  observations.erase(std::remove_if(observations.begin(), observations.end(),
-                                    [&](const auto& o) { return o->sensorLabel != label; }),
-                     observations.end());
+  observations.erase(
+      std::remove_if(observations.begin(), observations.end(),
+                     [&](const auto& o) { return printable(o->sensorLabel) != label; }),
+      observations.end());
 }
 
 /// Notes and attitudes by time and sensor label. What shares both is handed out in file order.
@@ -156,8 +131,12 @@ class Companions {
     using namespace mrpt::obs;
     if (!imu->has(IMU_YAW) || !imu->has(IMU_PITCH) || !imu->has(IMU_ROLL)) return std::nullopt;
     constexpr double kDegrees = 180 / M_PI;
-    return GimbalAttitude{imu->get(IMU_YAW) * kDegrees, imu->get(IMU_PITCH) * kDegrees,
-                          imu->get(IMU_ROLL) * kDegrees};
+    const GimbalAttitude attitude{imu->get(IMU_YAW) * kDegrees, imu->get(IMU_PITCH) * kDegrees,
+                                  imu->get(IMU_ROLL) * kDegrees};
+    constexpr double kMost_deg = 1e4;
+    for (const double angle : {attitude.yaw_deg, attitude.pitch_deg, attitude.roll_deg})
+      if (!(std::abs(angle) <= kMost_deg)) return std::nullopt;
+    return attitude;
   }
 
  private:
@@ -188,45 +167,87 @@ CameraModel cameraOf(const mrpt::img::TCamera& c, const Note& note) {
   return camera;
 }
 
+/// What a photo can have been taken with.
+bool isCalibration(const CameraModel& c) {
+  constexpr int kLongestSide = 1 << 17;
+  constexpr double kMostPixels = 1e7, kMostDistortion = 1e3;
+  const auto within = [](std::initializer_list<double> values, double most) {
+    return std::all_of(values.begin(), values.end(),
+                       [most](double v) { return std::abs(v) <= most; });
+  };
+  return c.width > 0 && c.height > 0 && c.width <= kLongestSide && c.height <= kLongestSide &&
+         c.fx > 0 && c.fy > 0 && within({c.fx, c.fy, c.cx, c.cy}, kMostPixels) &&
+         within({c.k1, c.k2, c.p1, c.p2, c.k3}, kMostDistortion);
+}
+
+/// Photos without a calibration take that of another, of the same size if there is one. Returns how
+/// many had none; without any in the rawlog they are left as they are, with a focal length of 0.
+std::size_t shareCalibrations(std::vector<ImageFrame>& photos) {
+  std::map<std::pair<int, int>, CameraModel> by_size;
+  std::optional<CameraModel> first;
+  for (const ImageFrame& photo : photos) {
+    if (!(photo.camera.fx > 0)) continue;
+    if (!first) first = photo.camera;
+    by_size.emplace(std::pair(photo.camera.width, photo.camera.height), photo.camera);
+  }
+  std::size_t count = 0;
+  for (ImageFrame& photo : photos) {
+    if (photo.camera.fx > 0) continue;
+    ++count;
+    const auto same = by_size.find({photo.camera.width, photo.camera.height});
+    if (first) photo.camera = same != by_size.end() ? same->second : *first;
+  }
+  return count;
+}
+
 bool staysInside(const fs::path& relative) {
   return relative.is_relative() && std::none_of(relative.begin(), relative.end(),
                                                 [](const fs::path& p) { return p == ".."; });
+}
+
+/// A base name, whatever the rawlog says: it becomes part of file names.
+std::string baseName(const Note& note, const fs::path& file) {
+  const fs::path given = fs::path(note.name.value_or("")).filename();
+  const bool usable = !given.empty() && given != "." && given != "..";
+  return printable((usable ? given : file.filename()).string());
 }
 
 std::vector<ImageFrame> photosOf(const Observations& all, const fs::path& rawlog,
                                  Companions& companions, Warnings& warnings) {
   const fs::path folder = imagesFolderOf(fs::absolute(rawlog).lexically_normal());
   std::vector<ImageFrame> photos;
-  std::size_t embedded = 0, uncalibrated = 0, fisheye = 0;
+  std::size_t timeless = 0, fisheye = 0;
   for (const auto& image : all.images) {
-    if (!image->image.isExternallyStored()) {
-      ++embedded;
-      continue;
-    }
     const std::string stored = image->image.getExternalStorageFile();
-    if (!staysInside(stored) || stored.empty()) {
+    if (!staysInside(stored) || !fs::path(stored).has_filename()) {
       warnings.push_back(fmt::format("{}: image '{}' lies outside {}: left out",
-                                     rawlog.filename().string(), stored,
+                                     rawlog.filename().string(), printable(stored),
                                      folder.filename().string()));
       continue;
     }
     const Note note = companions.takeNote(image->timestamp, image->sensorLabel, stored);
+    const std::optional<TimeNs> time = timeOf(image->timestamp);
+    if (!time) {
+      ++timeless;
+      continue;
+    }
     ImageFrame photo;
-    photo.time = timeOf(image->timestamp);
+    photo.time = *time;
     photo.file = folder / stored;
-    photo.name = note.name.value_or(photo.file.filename().string());
+    photo.name = baseName(note, photo.file);
     photo.camera = cameraOf(image->cameraParams, note);
+    if (!isCalibration(photo.camera)) photo.camera.fx = 0;
     photo.attitude = companions.takeAttitude(image->timestamp, image->sensorLabel);
     photo.height_above_ground_m = note.height_above_ground_m;
-    if (!(photo.camera.fx > 0)) ++uncalibrated;
     if (image->cameraParams.distortion == mrpt::img::DistortionModel::kannala_brandt) ++fisheye;
     photos.push_back(photo);
   }
+  const std::size_t uncalibrated = shareCalibrations(photos);
   const auto warn = [&](std::size_t count, const char* what) {
     if (count != 0)
       warnings.push_back(fmt::format("{}: {} {}", rawlog.filename().string(), count, what));
   };
-  warn(embedded, "images are stored inside the rawlog and left out: store them externally");
+  warn(timeless, "images have no time between 1970 and 2200: left out");
   warn(uncalibrated, "images have no calibration of their own");
   warn(fisheye, "images have a fisheye calibration: its distortion is taken as zero");
   std::stable_sort(photos.begin(), photos.end(),
@@ -236,6 +257,41 @@ std::vector<ImageFrame> photosOf(const Observations& all, const fs::path& rawlog
   return photos;
 }
 
+/// A place on Earth or above, from a receiver that has one.
+bool isPlace(const GnssFix& fix) {
+  constexpr double kLowest_m = -1e4, kHighest_m = 1e5;
+  return std::abs(fix.latitude_deg) <= 90 && std::abs(fix.longitude_deg) <= 180 &&
+         (std::abs(fix.latitude_deg) > 0 || std::abs(fix.longitude_deg) > 0) &&
+         fix.height_m >= kLowest_m && fix.height_m <= kHighest_m;
+}
+
+/// Drops fixes that no flight from where the others are can reach. Returns their number.
+std::size_t dropFarAway(std::vector<GnssFix>& fixes) {
+  if (fixes.empty()) return 0;
+  constexpr double kFarthest_m = 1e6, kEarthRadius_m = 6.371e6, kRadians = M_PI / 180;
+  const auto onSphere = [&](const GnssFix& fix) -> Eigen::Vector3d {
+    const double latitude = fix.latitude_deg * kRadians, longitude = fix.longitude_deg * kRadians;
+    return kEarthRadius_m * Eigen::Vector3d(std::cos(latitude) * std::cos(longitude),
+                                            std::cos(latitude) * std::sin(longitude),
+                                            std::sin(latitude));
+  };
+  Eigen::Vector3d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const GnssFix& fix : fixes) values.push_back(onSphere(fix)[axis]);
+    const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), half, values.end());
+    middle[axis] = *half;
+  }
+  const std::size_t before = fixes.size();
+  fixes.erase(std::remove_if(fixes.begin(), fixes.end(),
+                             [&](const GnssFix& fix) {
+                               return (onSphere(fix) - middle).norm() > kFarthest_m;
+                             }),
+              fixes.end());
+  return before - fixes.size();
+}
+
 std::vector<GnssFix> fixesOf(const Observations& all, const fs::path& rawlog,
                              Companions& companions, Warnings& warnings) {
   std::vector<GnssFix> fixes;
@@ -243,26 +299,29 @@ std::vector<GnssFix> fixesOf(const Observations& all, const fs::path& rawlog,
   for (const auto& gps : all.fixes) {
     const Note note = companions.takeNote(gps->timestamp, gps->sensorLabel, "");
     const auto* gga = gps->getMsgByClassPtr<mrpt::obs::gnss::Message_NMEA_GGA>();
+    const std::optional<TimeNs> time = timeOf(gps->timestamp);
     GnssFix fix;
-    fix.time = timeOf(gps->timestamp);
     if (gga != nullptr) {
       fix.latitude_deg = gga->fields.latitude_degrees;
       fix.longitude_deg = gga->fields.longitude_degrees;
       fix.height_m = gga->fields.altitude_meters;
     }
-    if (gga == nullptr || gga->fields.fix_quality == 0 || !(std::abs(fix.latitude_deg) <= 90) ||
-        !(std::abs(fix.longitude_deg) <= 180) || !std::isfinite(fix.height_m)) {
+    if (gga == nullptr || gga->fields.fix_quality == 0 || !time || !isPlace(fix)) {
       ++useless;
       continue;
     }
+    fix.time = *time;
     fix.sigma_enu_m = note.sigma_enu_m.value_or(Eigen::Vector3d(
         kDefaultSigmaHorizontal_m, kDefaultSigmaHorizontal_m, kDefaultSigmaVertical_m));
     fix.datum = note.datum.value_or(HeightDatum::kMsl);  // what GGA's altitude is by definition
     fixes.push_back(fix);
   }
-  if (useless != 0)
-    warnings.push_back(fmt::format("{}: {} GNSS records without a valid GGA message are left out",
-                                   rawlog.filename().string(), useless));
+  const auto warn = [&](std::size_t count, const char* what) {
+    if (count != 0)
+      warnings.push_back(fmt::format("{}: {} {}", rawlog.filename().string(), count, what));
+  };
+  warn(useless, "GNSS records without a valid GGA message are left out");
+  warn(dropFarAway(fixes), "GNSS fixes lie over 1000 km from the others: left out");
   std::stable_sort(fixes.begin(), fixes.end(),
                    [](const GnssFix& a, const GnssFix& b) { return a.time < b.time; });
   return fixes;
