@@ -48,8 +48,9 @@ Accuracy accuracyOf(const HouseScene& scene, const DepthFrame& frame, const Pose
                         (a.T_world_cam.translation() - b.T_world_cam.translation()).norm();
   std::vector<double> errors, roof;
   int flying = 0;
-  for (const MapPoint& p : points) {
-    const double x = p.position_m.x(), y = p.position_m.y(), z = p.position_m.z();
+  for (const MapPoint& p : points.points) {
+    const Eigen::Vector3d world = points.world(p);
+    const double x = world.x(), y = world.y(), z = world.z();
     const double wall = scene.distanceToWall(x, y);
     const bool between = std::abs(wall) < 1 && z > -1 && z < scene.roof_m + 1;
     if (std::abs(z - scene.height(x, y)) > 1 && !between) ++flying;
@@ -73,7 +74,7 @@ Accuracy accuracyOf(const HouseScene& scene, const DepthFrame& frame, const Pose
           a.camera.contains(a.camera.project(ray)) && b.camera.contains(b.camera.project(p_b));
     }
   }
-  const double n = static_cast<double>(points.size());
+  const double n = static_cast<double>(points.points.size());
   accuracy.matched = n / (16.0 * common);
   accuracy.median_px = errors[errors.size() / 2];
   accuracy.p90_px = errors[errors.size() * 9 / 10];

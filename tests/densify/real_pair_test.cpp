@@ -120,10 +120,11 @@ TEST_P(RealPair, agreesWithTheOfflineReconstruction) {
     EXPECT_LT(encodeDepthFrame(*frame).size(), 3'000'000U);
     DepthTriangulationOptions options;
     options.stride = 4;
-    for (const MapPoint& point : triangulateDepth(*frame, {reference.T_world_cam, reference.camera},
-                                                  {partner.T_world_cam, partner.camera}, options)) {
+    const MapPoints points = triangulateDepth(*frame, {reference.T_world_cam, reference.camera},
+                                              {partner.T_world_cam, partner.camera}, options);
+    for (const MapPoint& point : points.points) {
       ++matched;
-      const double distance = flight.distance(point.position_m);
+      const double distance = flight.distance(points.world(point));
       if (distance < 0) continue;
       ++compared;
       half_metre += distance < 0.5;

@@ -44,14 +44,22 @@ Tile floorTile() {
   return tile;
 }
 
-std::vector<MapPoint> pointsOf(const Tile& tile) {
-  std::vector<MapPoint> points;
+MapPoints pointsOf(const Tile& tile) {
+  MapPoints points;
+  points.origin_m = tile.offset_m;
   for (const TilePoint& point : tile.points) {
     MapPoint map_point;
-    map_point.position_m = tile.offset_m + point.position_m.cast<double>();
-    points.push_back(map_point);
+    map_point.position_m = point.position_m;
+    points.points.push_back(map_point);
   }
   return points;
+}
+
+std::vector<Eigen::Vector3d> positionsOf(const Tile& tile) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const TilePoint& point : tile.points)
+    positions.push_back(tile.offset_m + point.position_m.cast<double>());
+  return positions;
 }
 
 octomap::point3d octo(const Eigen::Vector3d& p) {
@@ -88,12 +96,12 @@ TEST_F(OctoMap, PointsAreOccupiedRaysAreFreeTheRestIsUnknown) {
   const auto tree = readColour();
   ASSERT_TRUE(tree);
   EXPECT_EQ(tree->getResolution(), kResolution);
-  for (const MapPoint& point : pointsOf(tile)) {
-    const auto* node = tree->search(octo(point.position_m));
-    ASSERT_TRUE(node && tree->isNodeOccupied(node)) << point.position_m.transpose();
-    if (std::abs(point.position_m.x() + 5) < 1) continue;  // the colours' border
+  for (const Eigen::Vector3d& position : positionsOf(tile)) {
+    const auto* node = tree->search(octo(position));
+    ASSERT_TRUE(node && tree->isNodeOccupied(node)) << position.transpose();
+    if (std::abs(position.x() + 5) < 1) continue;  // the colours' border
     const octomap::ColorOcTreeNode::Color colour = node->getColor();
-    const bool green = point.position_m.x() < -5;
+    const bool green = position.x() < -5;
     ASSERT_EQ(colour, octomap::ColorOcTreeNode::Color(green ? 0 : 150, green ? 200 : 0, 0));
   }
   // Along rays to points, down to the coarse cell that holds the surface.
@@ -116,37 +124,43 @@ TEST_F(OctoMap, RaysVisitExactlyTheCellsTheyCross) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> at(-30, 30);
   const Eigen::Vector3d camera(0.5, -0.3, 0.7);
-  std::vector<MapPoint> points(50);
-  for (MapPoint& point : points) point.position_m = {at(random), at(random), at(random)};
+  MapPoints points;
+  points.origin_m = camera;
+  points.points.resize(50);
+  for (MapPoint& point : points.points)
+    point.position_m = (Eigen::Vector3d(at(random), at(random), at(random)) - camera).cast<float>();
   builder.carve(camera, points);
   builder.write(base_);
   const auto tree = readColour();
   std::size_t checked = 0;
-  for (const MapPoint& point : points)
+  for (const MapPoint& point : points.points) {
+    const Eigen::Vector3d end = points.world(point);
     for (int i = 0; i < 200; ++i) {
-      const Eigen::Vector3d p = camera + i / 200.0 * (point.position_m - camera);
+      const Eigen::Vector3d p = camera + i / 200.0 * (end - camera);
       const auto cell = [](const Eigen::Vector3d& q) {
         return Eigen::Vector3d(std::floor(q.x()), std::floor(q.y()), std::floor(q.z()));
       };
-      if (cell(p) == cell(point.position_m)) continue;
+      if (cell(p) == cell(end)) continue;
       ASSERT_NE(tree->search(octo(p)), nullptr) << p.transpose();
       ++checked;
     }
+  }
   EXPECT_GT(checked, 9000u);
   double volume = 0, length = 0;
   for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf) {
     EXPECT_FALSE(tree->isNodeOccupied(*leaf));
     volume += std::pow(leaf.getSize(), 3);
   }
-  for (const MapPoint& point : points) length += (point.position_m - camera).lpNorm<1>() + 3;
+  for (const MapPoint& point : points.points)
+    length += (points.world(point) - camera).lpNorm<1>() + 3;
   EXPECT_LE(volume, length);  // a ray crosses at most |dx| + |dy| + |dz| + 3 cells of 1 m
 }
 
 TEST_F(OctoMap, RaysNeverEraseTheSurfaceAndStopAtIt) {
   OctoMapBuilder before(options()), after(options());
   const Tile tile = floorTile();
-  std::vector<MapPoint> below = pointsOf(tile);  // flying points under the floor
-  for (MapPoint& point : below) point.position_m.z() -= 20;
+  MapPoints below = pointsOf(tile);  // flying points under the floor
+  below.origin_m.z() -= 20;
   const Eigen::Vector3d camera(-5, 3, 40);
   after.addSurface(tile);
   after.carve(camera, below);
@@ -155,8 +169,8 @@ TEST_F(OctoMap, RaysNeverEraseTheSurfaceAndStopAtIt) {
   for (const OctoMapBuilder* builder : {&before, &after}) {
     builder->write(base_);
     const auto tree = readColour();
-    for (const MapPoint& point : pointsOf(tile)) {
-      const auto* node = tree->search(octo(point.position_m));
+    for (const Eigen::Vector3d& position : positionsOf(tile)) {
+      const auto* node = tree->search(octo(position));
       ASSERT_TRUE(node && tree->isNodeOccupied(node));
     }
     const bool carved_below = tree->search(octomap::point3d(-5, 3, -8)) != nullptr;

@@ -52,10 +52,11 @@ struct PerfectFrame {
   }
 };
 
-double worstHeightError(const std::vector<MapPoint>& points) {
+double worstHeightError(const MapPoints& points) {
   double worst = 0;
-  for (const MapPoint& p : points) {
-    worst = std::max(worst, std::abs(p.position_m.z() - 0.1 * p.position_m.x()));
+  for (const MapPoint& p : points.points) {
+    const Eigen::Vector3d world = points.world(p);
+    worst = std::max(worst, std::abs(world.z() - 0.1 * world.x()));
   }
   return worst;
 }
@@ -63,11 +64,11 @@ double worstHeightError(const std::vector<MapPoint>& points) {
 TEST(DepthTriangulation, exactDisparitiesGiveTheSurface) {
   const PerfectFrame perfect;
   const auto points = triangulateDepth(perfect.frame, perfect.a, perfect.b);
-  ASSERT_GT(points.size(), 0.9 * static_cast<double>(perfect.frame.disparity.total()));
+  ASSERT_GT(points.points.size(), 0.9 * static_cast<double>(perfect.frame.disparity.total()));
   // Half a step of 1/16 px at 50 m, b = 13.5 m, f of about 360 px: 17 mm.
   EXPECT_LT(worstHeightError(points), 0.025);
-  EXPECT_EQ(points[0].bgr[0], 10);
-  EXPECT_EQ(points[0].bgr[2], 30);
+  EXPECT_EQ(points.points[0].bgr[0], 10);
+  EXPECT_EQ(points.points[0].bgr[2], 30);
 }
 
 TEST(DepthTriangulation, takesThePosesAsTheyAreNow) {
@@ -79,9 +80,9 @@ TEST(DepthTriangulation, takesThePosesAsTheyAreNow) {
   const auto after =
       triangulateDepth(perfect.frame, {moved * perfect.a.T_world_cam, perfect.a.camera},
                        {moved * perfect.b.T_world_cam, perfect.b.camera});
-  ASSERT_EQ(before.size(), after.size());
-  for (std::size_t k = 0; k < before.size(); k += 101) {
-    EXPECT_LT((after[k].position_m - moved * before[k].position_m).norm(), 1e-9);
+  ASSERT_EQ(before.points.size(), after.points.size());
+  for (std::size_t k = 0; k < before.points.size(); k += 101) {
+    EXPECT_LT((after.world(after.points[k]) - moved * before.world(before.points[k])).norm(), 1e-4);
   }
   EXPECT_NEAR(epipolarShiftPx(perfect.frame, {moved * perfect.a.T_world_cam, perfect.a.camera},
                               {moved * perfect.b.T_world_cam, perfect.b.camera}),
@@ -138,12 +139,15 @@ TEST(DepthTriangulation, aRefinedCameraIsFollowedThroughItsPixels) {
   // the surface is met as far as that allows, and much better than without following.
   const auto follow = triangulateDepth(frame, a, b);
   const auto naive = triangulateDepth(frame, a_then, b_then);
-  const auto rms = [](const std::vector<MapPoint>& points) {
+  const auto rms = [](const MapPoints& points) {
     double sum = 0;
-    for (const MapPoint& p : points) sum += p.position_m.z() * p.position_m.z();
-    return std::sqrt(sum / static_cast<double>(points.size()));
+    for (const MapPoint& p : points.points) {
+      const double z = points.world(p).z();
+      sum += z * z;
+    }
+    return std::sqrt(sum / static_cast<double>(points.points.size()));
   };
-  ASSERT_GT(follow.size(), 20000U);
+  ASSERT_GT(follow.points.size(), 20000U);
   EXPECT_LT(rms(follow), 0.05);
   EXPECT_GT(rms(naive), 0.5);
   // The predicted shift is that of the rows, seen from the other side.
@@ -172,16 +176,16 @@ TEST(DepthTriangulation, weightIsInverseVarianceTimesConfidence) {
   const auto low = triangulateDepth(perfect.frame, perfect.a, perfect.b, options);
   perfect.frame.confidence.setTo(255);
   const auto full = triangulateDepth(perfect.frame, perfect.a, perfect.b, options);
-  ASSERT_EQ(low.size(), full.size());
-  EXPECT_NEAR(low[10].weight / full[10].weight, 0.2, 1e-6);
+  ASSERT_EQ(low.points.size(), full.points.size());
+  EXPECT_NEAR(low.points[10].weight / full.points[10].weight, 0.2, 1e-6);
   const double fb =
       perfect.frame.reference_view.f *
       (perfect.a.T_world_cam.translation() - perfect.b.T_world_cam.translation()).norm();
   const double sigma = 50 * 50 / fb * options.disparity_sigma_px;
-  EXPECT_NEAR(full[full.size() / 2].weight * sigma * sigma, 1, 0.35);
+  EXPECT_NEAR(full.points[full.points.size() / 2].weight * sigma * sigma, 1, 0.35);
   options.min_confidence = 52;
   perfect.frame.confidence.setTo(51);
-  EXPECT_TRUE(triangulateDepth(perfect.frame, perfect.a, perfect.b, options).empty());
+  EXPECT_TRUE(triangulateDepth(perfect.frame, perfect.a, perfect.b, options).points.empty());
 }
 
 }  // namespace

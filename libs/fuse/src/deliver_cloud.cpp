@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "cf/fuse/cleaning.h"
@@ -16,13 +17,11 @@ namespace {
 
 constexpr std::size_t kTilesAtOnce = 4;  ///< cleaned side by side
 
-/// Tiles read from a store; the longest unused make room.
+/// Tiles of a map; the longest unused make room.
 class TileCache {
  public:
-  TileCache(TileStore& store, std::size_t budget_bytes)
-      : store_(store), budget_bytes_(budget_bytes) {
-    const std::vector<TileIndex> indices = store.indices();
-    for (const TileIndex index : indices) entries_[index];
+  TileCache(const TileMap& map, std::size_t budget_bytes) : map_(map), budget_bytes_(budget_bytes) {
+    for (const TileIndex index : map.indices()) entries_[index];
   }
 
   /// Null where there is no such tile. Valid until the next makeRoom().
@@ -32,8 +31,7 @@ class TileCache {
     Entry& entry = found->second;
     entry.used = ++clock_;
     if (!entry.tile) {
-      entry.tile = store_.load(index);
-      if (!entry.tile) return nullptr;
+      entry.tile = map_.tile(index);
       bytes_ += bytesOf(*entry.tile);
     }
     return &*entry.tile;
@@ -56,7 +54,7 @@ class TileCache {
   };
   static std::size_t bytesOf(const Tile& tile) { return tile.points.size() * sizeof(TilePoint); }
 
-  TileStore& store_;
+  const TileMap& map_;
   std::size_t budget_bytes_;
   std::size_t bytes_ = 0;
   std::uint64_t clock_ = 0;
@@ -81,11 +79,11 @@ Tile finished(const Tile& raw, const std::vector<const Tile*>& neighbours,
 
 }  // namespace
 
-Delivery deliverCloud(TileStore& store, const FuseOptions& options,
+Delivery deliverCloud(const TileMap& map, const FuseOptions& options,
                       const std::function<void(const Tile&)>& sink) {
   Delivery delivery;
-  TileCache cache(store, static_cast<std::size_t>(options.max_memory_mb) << 20);
-  const std::vector<TileIndex> indices = store.indices();
+  TileCache cache(map, static_cast<std::size_t>(options.max_memory_mb) << 20);
+  const std::vector<TileIndex> indices = map.indices();
   for (std::size_t begin = 0; begin < indices.size(); begin += kTilesAtOnce) {
     const std::size_t count = std::min(kTilesAtOnce, indices.size() - begin);
     std::vector<const Tile*> raw(count);

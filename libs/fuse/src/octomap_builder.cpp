@@ -167,12 +167,11 @@ void OctoMapBuilder::addSurface(const Tile& tile) {
   }
 }
 
-void OctoMapBuilder::carve(const Eigen::Vector3d& camera_centre_m,
-                           const std::vector<MapPoint>& seen) {
-  if (impl_->rays == 0 || seen.empty()) return;
-  const auto rays = std::min(static_cast<std::size_t>(impl_->rays), seen.size());
+void OctoMapBuilder::carve(const Eigen::Vector3d& camera_centre_m, const MapPoints& seen) {
+  const std::size_t points = seen.points.size();
+  const std::size_t rays = std::min(static_cast<std::size_t>(impl_->rays), points);
   for (std::size_t ray = 0; ray < rays; ++ray) {
-    const Eigen::Vector3d& to = seen[(2 * ray + 1) * seen.size() / (2 * rays)].position_m;
+    const Eigen::Vector3d to = seen.world(seen.points[(2 * ray + 1) * points / (2 * rays)]);
     if (impl_->fits(camera_centre_m) && impl_->fits(to))
       impl_->carveRay(camera_centre_m, to);
     else

@@ -2,64 +2,106 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "cf/types/map_point.h"
 #include "cf/types/tile.h"
-#include "voxel_index.h"
 
 namespace cf {
 
-/// The voxels of one tile: weighted sums of position and colour, and the number of views. A voxel
-/// is kHeightOverSide times as high as wide: seen from above, height is that much less certain than
-/// the horizontal position (by depth over baseline), and cubes would hold the noise of each pair
-/// instead of the mean of all.
-/// Sums are relative to the voxel's centre, so that floats hold them to a millionth of a voxel.
+/// The voxels of one tile: weighted means of position and colour, the sum of the weights, and the
+/// number of views. A voxel is kHeightOverSide times as high as wide: seen from above, height is
+/// that much less certain than the horizontal position (by depth over baseline), and cubes would
+/// hold the noise of each pair instead of the mean of all.
+///
+/// Voxels are found by their vertical column, in which they are chained: a surface fills a column
+/// with one or two. Neighbouring pixels of a photo fall into neighbouring columns, so that columns
+/// come from the cache where a hash table would go to memory for each point.
+///
+/// A voxel takes 24 bytes. Means are kept in 16 bits each: to 1/65536 of the voxel's side and 1/257
+/// of a colour's step. Rounding after each point stays below a thousandth of the side.
 class VoxelTile {
  public:
   static constexpr double kHeightOverSide = 3;
+  static constexpr int kMaxColumns = 1024;  ///< along one side
 
+  /// tile_m / voxel_m must not exceed kMaxColumns.
   VoxelTile(TileIndex index, double tile_m, double voxel_m);
 
-  /// Merges the points [begin, end). `view` differs from one depth frame to the next; 0 is none.
-  /// Returns how many were merged: points too high or deep for the grid (a million voxels) are not.
-  std::size_t add(const MapPoint* begin, const MapPoint* end, std::uint32_t view);
-  /// Merges what toTile() once gave: sums are restored from means, weights and views.
-  void merge(const Tile& tile);
-  /// One point a voxel, each inside its voxel even after rounding to float, in the order (z, y, x).
+  /// Merges the points [begin, end), relative to `origin_m`, all of which lie in this tile. `view`
+  /// differs from one depth frame to the next. Returns how many were merged: not finite ones,
+  /// those without positive weight and those too high or deep (half a million voxels) are not.
+  std::size_t add(const Eigen::Vector3d& origin_m, const MapPoint* begin, const MapPoint* end,
+                  std::uint32_t view);
+  /// One point a voxel, ordered by y, x and z of the voxels.
   Tile toTile() const;
 
-  std::size_t size() const { return voxels_.size(); }
+  /// Everything, bit by bit, in a file that only the same run reads again. Both throw RunError.
+  void save(const std::filesystem::path& path) const;
+  /// Into a tile just made, for the same index and sizes.
+  void load(const std::filesystem::path& path);
+
+  std::size_t size() const { return size_; }
   std::size_t bytes() const;
 
  private:
+  static constexpr int kBlockSide = 16;
+  static constexpr std::uint32_t kSlabVoxels = 512;
+  static constexpr std::uint32_t kNone = (1u << 24) - 1;
+  static constexpr std::uint32_t kZeroHeight = 1u << 19;
+  static constexpr std::uint32_t kMaxViews = (1u << 12) - 1;
+  static constexpr std::uint32_t kMaxStamp = (1u << 8) - 1;
+  static constexpr int kMeans = 6;
+
   struct Voxel {
     float weight = 0;
-    float offset[3] = {0, 0, 0};  ///< weighted sum [voxel sides from the centre]
-    float bgr[3] = {0, 0, 0};     ///< weighted sum
-    std::uint32_t last_view = 0;
-    std::uint16_t views = 0;
+    std::uint32_t next : 24;    ///< in the same column
+    std::uint32_t stamp : 8;    ///< of the view that saw it last
+    std::uint32_t height : 20;  ///< cell along z, plus kZeroHeight
+    std::uint32_t views : 12;
+    std::uint16_t mean[kMeans] = {0, 0, 0, 0, 0, 0};  ///< x, y, z in the voxel, blue, green, red
+    Voxel() : next(kNone), stamp(0), height(0), views(0) {}
+  };
+  static_assert(sizeof(Voxel) == 24, "a voxel takes 24 bytes");
+
+  /// First voxels of the columns of a square.
+  using Block = std::array<std::uint32_t, kBlockSide * kBlockSide>;
+  using Slab = std::array<Voxel, kSlabVoxels>;
+
+  /// Where a point goes, and with what.
+  struct Arrival {
+    std::uint32_t* first;  ///< of its column
+    std::uint32_t height;
+    float weight;
+    float value[kMeans];  ///< as Voxel::mean
   };
 
-  /// Where a position falls: the voxel, and the place in it [voxel sides from its centre].
-  struct Place {
-    std::uint64_t key;
-    float rest[3];
-  };
-
-  /// False where the position is outside the grid.
-  bool locate(const Eigen::Vector3d& relative_m, Place& place) const;
-  Voxel& voxelAt(const Place& place);
-  std::int64_t cellOf(double relative_m, int axis) const;
-  float positionInCell(double relative_m, std::int64_t cell, int axis) const;
+  bool locate(const Eigen::Vector3d& shift, const MapPoint& point, Arrival& arrival);
+  Voxel* voxelAt(const Arrival& arrival);
+  void merge(const Arrival& arrival);
+  void startView(std::uint32_t view);
+  Voxel& voxel(std::uint32_t number) {
+    return (*slabs_[number / kSlabVoxels])[number % kSlabVoxels];
+  }
+  const Voxel& voxel(std::uint32_t number) const {
+    return (*slabs_[number / kSlabVoxels])[number % kSlabVoxels];
+  }
 
   TileIndex index_;
   Eigen::Vector3d offset_m_;
-  Eigen::Vector3d voxel_m_;
-  Eigen::Vector3d inverse_voxel_;
-  VoxelIndex numbers_;
-  std::vector<Voxel> voxels_;
+  double voxel_m_;
+  int columns_;  ///< along one side
+  int blocks_along_;
+  std::vector<std::unique_ptr<Block>> blocks_;  ///< null where there is nothing yet
+  std::vector<std::unique_ptr<Slab>> slabs_;
+  std::uint32_t size_ = 0;
+  std::uint32_t view_ = 0;   ///< in work
+  std::uint32_t stamp_ = 0;  ///< that stands for it
+  std::size_t filled_blocks_ = 0;
 };
 
 }  // namespace cf

@@ -4,31 +4,28 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "cf/base/error.h"
+#include "voxel_index.h"
 #include "voxel_tile.h"
 
 namespace cf {
 namespace {
 
 constexpr double kTileIndexLimit = 1e8;
-constexpr std::size_t kTilesAtOnce = 4;
-
-bool usable(const MapPoint& point, double tile_m) {
-  return std::isfinite(point.weight) && point.weight > 0 && std::isfinite(point.position_m.z()) &&
-         std::abs(point.position_m.x() / tile_m) < kTileIndexLimit &&
-         std::abs(point.position_m.y() / tile_m) < kTileIndexLimit;
-}
+constexpr std::size_t kTilesAtOnce = 4;  ///< brought back side by side
 
 }  // namespace
 
-struct TileMap::Resident {
-  std::unique_ptr<VoxelTile> voxels;
+struct TileMap::Entry {
+  std::unique_ptr<VoxelTile> voxels;  ///< null while it is in its file
   std::uint64_t used = 0;
-  bool dirty = false;
+  bool dirty = false;           ///< differs from its file
+  std::size_t bytes_there = 0;  ///< that it takes in memory, when it is in its file
 };
 
 /// Consecutive points of one tile.
@@ -36,133 +33,172 @@ struct TileMap::Run {
   std::size_t begin, end;
 };
 
-TileMap::TileMap(const FuseOptions& options, TileStore& store) : options_(options), store_(store) {
+TileMap::TileMap(const FuseOptions& options, std::filesystem::path scratch)
+    : options_(options), scratch_(std::move(scratch)) {
   if (!(options_.voxel_m > 0) || options_.voxel_m > options_.tile_m ||
-      options_.tile_m / options_.voxel_m >= static_cast<double>(CellKey::kLimit))
+      options_.tile_m / options_.voxel_m > VoxelTile::kMaxColumns)
     throw UsageError(fmt::format(
-        "[fuse] voxel_m = {} does not fit tile_m = {}: it must be above 0 and within {:.0e} of it",
-        options_.voxel_m, options_.tile_m, 1.0 / CellKey::kLimit));
+        "[fuse] voxel_m = {} does not fit tile_m = {}: a tile must be 1 to {} voxels wide",
+        options_.voxel_m, options_.tile_m, VoxelTile::kMaxColumns));
+  std::error_code error;
+  std::filesystem::remove_all(scratch_, error);
+  if (!std::filesystem::create_directories(scratch_, error))
+    throw RunError(fmt::format("{}: cannot be made: {}", scratch_.string(), error.message()));
 }
 
-TileMap::~TileMap() = default;
+TileMap::~TileMap() {
+  std::error_code ignored;
+  std::filesystem::remove_all(scratch_, ignored);
+}
 
-void TileMap::insert(FrameId depth_frame, const std::vector<MapPoint>& points) {
+void TileMap::insert(FrameId depth_frame, const MapPoints& points) {
   if (view_ == 0 || depth_frame != view_frame_) ++view_;
   view_frame_ = depth_frame;
 
-  // Tile by tile, so that a frame over many tiles does not drive them in and out of memory.
-  const double tile_m = options_.tile_m;
-  std::map<TileIndex, std::vector<Run>> runs;
-  std::vector<Run>* run_list = nullptr;
-  TileIndex current;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const MapPoint& point = points[i];
-    if (!usable(point, tile_m)) {
-      ++stats_.dropped;
-      continue;
-    }
-    // Equation (10).
-    const TileIndex index{static_cast<std::int32_t>(floorToInt(point.position_m.x() / tile_m)),
-                          static_cast<std::int32_t>(floorToInt(point.position_m.y() / tile_m))};
-    if (!run_list || !(index == current)) {
-      current = index;
-      run_list = &runs[index];
-    }
-    if (!run_list->empty() && run_list->back().end == i)
-      run_list->back().end = i + 1;
-    else
-      run_list->push_back({i, i + 1});
-  }
-
-  // Those in memory first: were all taken in the order of their index, the ones that come in would
+  // Tile by tile, so that a frame over many tiles does not drive them in and out of memory; and
+  // those in memory first: were all taken in the order of their index, the ones that come in would
   // drive out the next ones, frame after frame.
-  std::vector<TileIndex> order;
-  for (const auto& [index, list] : runs) {
-    const auto held = tiles_.find(index);
-    if (held == tiles_.end()) continue;
-    held->second.used = ++clock_;
-    order.push_back(index);
+  const Runs runs = runsByTile(points);
+  std::vector<TileIndex> here, away;
+  for (const auto& [index, list] : runs) (tiles_[index].voxels ? here : away).push_back(index);
+  fill(here, runs, points);
+  for (std::size_t begin = 0; begin < away.size(); begin += kTilesAtOnce) {
+    const std::vector<TileIndex> some(
+        away.begin() + static_cast<std::ptrdiff_t>(begin),
+        away.begin() + static_cast<std::ptrdiff_t>(std::min(away.size(), begin + kTilesAtOnce)));
+    std::size_t wanted = 0;
+    for (const TileIndex index : some) wanted += tiles_[index].bytes_there;
+    makeRoom(wanted);
+    fill(some, runs, points);
   }
-  for (const auto& [index, list] : runs)
-    if (tiles_.count(index) == 0) order.push_back(index);
+  makeRoom(0);
+}
 
-  for (const TileIndex index : order) {
-    const std::vector<Run>& list = runs.at(index);
-    Resident& tile = resident(index);
-    tile.used = ++clock_;
-    tile.dirty = true;
-    for (const Run& run : list) {
-      const std::size_t merged =
-          tile.voxels->add(points.data() + run.begin, points.data() + run.end, view_);
-      stats_.points += merged;
-      stats_.dropped += run.end - run.begin - merged;
+TileMap::Runs TileMap::runsByTile(const MapPoints& points) {
+  const double tile_m = options_.tile_m;
+  Runs runs;
+  std::vector<Run>* list = nullptr;
+  TileIndex current;
+  double west = 0, east = 0, south = 0, north = 0;  // of the current tile
+  for (std::size_t i = 0; i < points.points.size(); ++i) {
+    const Eigen::Vector3f& p = points.points[i].position_m;
+    const double x = points.origin_m.x() + static_cast<double>(p.x());
+    const double y = points.origin_m.y() + static_cast<double>(p.y());
+    if (!(x >= west && x < east && y >= south && y < north)) {
+      if (!(std::abs(x / tile_m) < kTileIndexLimit && std::abs(y / tile_m) < kTileIndexLimit)) {
+        ++stats_.dropped;
+        list = nullptr;
+        east = west;  // the next one looks again
+        continue;
+      }
+      // Equation (10).
+      current = {static_cast<std::int32_t>(floorToInt(x / tile_m)),
+                 static_cast<std::int32_t>(floorToInt(y / tile_m))};
+      west = current.x * tile_m;
+      east = west + tile_m;
+      south = current.y * tile_m;
+      north = south + tile_m;
+      list = &runs[current];
+      list->push_back({i, i});
     }
-    shrink(index);
+    list->back().end = i + 1;
+  }
+  return runs;
+}
+
+void TileMap::fill(const std::vector<TileIndex>& tiles, const Runs& runs, const MapPoints& points) {
+  std::vector<std::size_t> merged(tiles.size());
+  std::vector<Entry*> entries;
+  for (const TileIndex index : tiles) entries.push_back(&tiles_[index]);
+  // A thread that waits here must not begin with another photo meanwhile.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
+      Entry& entry = *entries[i];
+      if (!entry.voxels) {
+        entry.voxels = std::make_unique<VoxelTile>(tiles[i], options_.tile_m, options_.voxel_m);
+        if (entry.bytes_there > 0) entry.voxels->load(file(tiles[i]));
+      }
+      for (const Run& run : runs.at(tiles[i]))
+        merged[i] += entry.voxels->add(points.origin_m, points.points.data() + run.begin,
+                                       points.points.data() + run.end, view_);
+    });
+  });
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    Entry& entry = *entries[i];
+    if (entry.bytes_there > 0) ++stats_.reloaded;
+    entry.bytes_there = 0;
+    entry.used = ++clock_;
+    entry.dirty = true;
+    stats_.points += merged[i];
+    for (const Run& run : runs.at(tiles[i])) stats_.dropped += run.end - run.begin;
+    stats_.dropped -= merged[i];
   }
 }
 
-TileMap::Resident& TileMap::resident(TileIndex index) {
-  const auto found = tiles_.find(index);
-  if (found != tiles_.end()) return found->second;
-  Resident tile;
-  tile.voxels = std::make_unique<VoxelTile>(index, options_.tile_m, options_.voxel_m);
-  if (const auto stored = store_.load(index)) {
-    tile.voxels->merge(*stored);
-    ++stats_.reloaded;
+std::filesystem::path TileMap::file(TileIndex index) const {
+  return scratch_ / fmt::format("{}_{}.voxels", index.x, index.y);
+}
+
+void TileMap::evict(TileIndex index, Entry& entry) {
+  if (entry.dirty) {
+    entry.voxels->save(file(index));
+    ++stats_.saved;
   }
-  return tiles_.emplace(index, std::move(tile)).first->second;
+  entry.dirty = false;
+  entry.bytes_there = entry.voxels->bytes();
+  entry.voxels.reset();
 }
 
-void TileMap::save(Resident& tile) {
-  if (!tile.dirty) return;
-  store_.save(tile.voxels->toTile());
-  tile.dirty = false;
-  ++stats_.saved;
-}
-
-void TileMap::shrink(TileIndex keep) {
+void TileMap::makeRoom(std::size_t wanted_bytes) {
   const auto budget = static_cast<std::size_t>(options_.max_memory_mb) << 20;
-  std::size_t held = bytes();
-  while (held > budget && tiles_.size() > 1) {
+  std::size_t held = bytes() + wanted_bytes;
+  while (held > budget) {
     auto oldest = tiles_.end();
-    for (auto it = tiles_.begin(); it != tiles_.end(); ++it)
-      if (!(it->first == keep) && (oldest == tiles_.end() || it->second.used < oldest->second.used))
-        oldest = it;
-    save(oldest->second);
-    held -= oldest->second.voxels->bytes();
-    tiles_.erase(oldest);
+    std::size_t tiles = 0;
+    for (auto it = tiles_.begin(); it != tiles_.end(); ++it) {
+      if (!it->second.voxels) continue;
+      ++tiles;
+      if (oldest == tiles_.end() || it->second.used < oldest->second.used) oldest = it;
+    }
+    if (tiles == 0 || (tiles == 1 && wanted_bytes == 0)) return;
+    evict(oldest->first, oldest->second);
+    held -= oldest->second.bytes_there;
   }
 }
 
-void TileMap::flush() {
-  std::vector<Resident*> changed;
-  for (auto& [index, tile] : tiles_)
-    if (tile.dirty) changed.push_back(&tile);
-  // A few at a time are made ready side by side and then written in order.
-  for (std::size_t begin = 0; begin < changed.size(); begin += kTilesAtOnce) {
-    const std::size_t count = std::min(kTilesAtOnce, changed.size() - begin);
-    std::vector<Tile> ready(count);
-    tbb::parallel_for(std::size_t{0}, count,
-                      [&](std::size_t i) { ready[i] = changed[begin + i]->voxels->toTile(); });
-    for (std::size_t i = 0; i < count; ++i) {
-      store_.save(ready[i]);
-      changed[begin + i]->dirty = false;
-      ++stats_.saved;
-    }
-  }
-  store_.flush();
+std::vector<TileIndex> TileMap::indices() const {
+  std::vector<TileIndex> result;
+  for (const auto& [index, entry] : tiles_) result.push_back(index);
+  return result;
+}
+
+Tile TileMap::tile(TileIndex index) const {
+  const Entry& entry = tiles_.at(index);
+  if (entry.voxels) return entry.voxels->toTile();
+  VoxelTile voxels(index, options_.tile_m, options_.voxel_m);
+  voxels.load(file(index));
+  return voxels.toTile();
+}
+
+void TileMap::leaveMemory() {
+  for (auto& [index, entry] : tiles_)
+    if (entry.voxels) evict(index, entry);
 }
 
 std::size_t TileMap::bytes() const {
   std::size_t sum = 0;
-  for (const auto& [index, tile] : tiles_) sum += tile.voxels->bytes();
+  for (const auto& [index, entry] : tiles_)
+    if (entry.voxels) sum += entry.voxels->bytes();
   return sum;
 }
 
 TileMap::Stats TileMap::stats() const {
   Stats stats = stats_;
-  stats.resident_tiles = tiles_.size();
-  for (const auto& [index, tile] : tiles_) stats.resident_voxels += tile.voxels->size();
+  for (const auto& [index, entry] : tiles_) {
+    if (!entry.voxels) continue;
+    ++stats.resident_tiles;
+    stats.resident_voxels += entry.voxels->size();
+  }
   stats.resident_bytes = bytes();
   return stats;
 }

@@ -68,23 +68,24 @@ struct Contribution {
   FrameId reference;
   struct Frame {
     FrameId partner;
-    std::vector<MapPoint> points;
+    MapPoints points;
   };
   std::vector<Frame> frames;
   std::map<std::string, int> failures;
 };
 
 /// An even sample of points, for the rays that carve free space.
-std::vector<MapPoint> sample(const std::vector<Contribution::Frame>& frames, int wanted) {
+MapPoints sample(const std::vector<Contribution::Frame>& frames, int wanted) {
   std::size_t total = 0;
-  for (const auto& frame : frames) total += frame.points.size();
+  for (const auto& frame : frames) total += frame.points.points.size();
   const std::size_t step =
       std::max<std::size_t>(1, total / static_cast<std::size_t>(std::max(1, wanted)));
-  std::vector<MapPoint> out;
+  MapPoints out;
+  out.origin_m = frames.front().points.origin_m;  // the photo's centre, of all its frames
   std::size_t i = 0;
   for (const auto& frame : frames)
-    for (const MapPoint& p : frame.points)
-      if (i++ % step == 0) out.push_back(p);
+    for (const MapPoint& p : frame.points.points)
+      if (i++ % step == 0) out.points.push_back(p);
   return out;
 }
 
@@ -111,16 +112,10 @@ class DenseMapper {
     summary_.voxel_m = fuse.voxel_m;
     rasters_.emplace(options_.deliver, grid_, fuse.voxel_m);
     // Raw tiles live beside the result until the finished cloud has been made of them.
-    const std::filesystem::path work = outdir_ / ".cf-run-tiles";
-    DirectoryTileStore store = DirectoryTileStore::create(work, fuse.tile_m, fuse.voxel_m);
-    {
-      TileMap map(fuse, store);
-      matchAndFuse(map);
-      const StageTimes::Scope scope(times_, "fuse", CpuClock::kProcess);
-      map.flush();
-    }
-    DirectoryTileStore cloud = deliver(store, fuse);
-    std::filesystem::remove_all(work);
+    auto map = std::make_unique<TileMap>(fuse, outdir_ / ".cf-run-tiles");
+    matchAndFuse(*map);
+    DirectoryTileStore cloud = deliver(*map, fuse);
+    map.reset();
     rasters_->write(views_, photos_, cloud, matched_pixel_m, outdir_, times_);
     return summary_;
   }
@@ -241,15 +236,16 @@ class DenseMapper {
   }
 
   /// The tiles of the finished cloud.
-  DirectoryTileStore deliver(DirectoryTileStore& store, const FuseOptions& fuse) {
+  DirectoryTileStore deliver(TileMap& map, const FuseOptions& fuse) {
     const StageTimes::Scope scope(times_, "deliver_cloud", CpuClock::kProcess);
+    map.leaveMemory();
     OctoMapBuilder octomap(options_.octomap.resolved(fuse.voxel_m));
     DirectoryTileStore tiles =
         DirectoryTileStore::create(outdir_ / "cloud", fuse.tile_m, fuse.voxel_m);
     PlyWriter ply(outdir_ / "cloud" / "cloud.ply");
     std::optional<LasCloud> las;
     if (options_.deliver.las) las.emplace(outdir_ / "cloud" / "cloud.las", grid_);
-    const Delivery delivery = deliverCloud(store, fuse, [&](const Tile& tile) {
+    const Delivery delivery = deliverCloud(map, fuse, [&](const Tile& tile) {
       for (const TilePoint& p : tile.points) {
         const Eigen::Vector3d world = tile.offset_m + p.position_m.cast<double>();
         ply.add(world.cast<float>(), {p.bgr[2], p.bgr[1], p.bgr[0]});
@@ -279,7 +275,7 @@ class DenseMapper {
   PhotoCache cache_;
   DepthMaps depth_maps_;
   std::map<FrameId, std::vector<FrameId>> partners_;
-  std::vector<std::pair<FrameId, std::vector<MapPoint>>> rays_;
+  std::vector<std::pair<FrameId, MapPoints>> rays_;
   std::optional<MapRasters> rasters_;
   DenseSummary summary_;
 };

@@ -24,13 +24,14 @@ DepthMaps::Map DepthMaps::emptyMap(const CameraModel& camera) const {
   return map;
 }
 
-void DepthMaps::add(const DenseView& photo, const std::vector<MapPoint>& points) {
+void DepthMaps::add(const DenseView& photo, const MapPoints& points) {
   auto found = maps_.find(photo.id);
   if (found == maps_.end()) found = maps_.emplace(photo.id, emptyMap(photo.camera)).first;
   Map& map = found->second;
-  const Eigen::Isometry3d T_cam_world = photo.T_world_cam.inverse();
-  for (const MapPoint& point : points) {
-    const Eigen::Vector3d p_cam = T_cam_world * point.position_m;
+  const Eigen::Isometry3d T_cam_points =
+      photo.T_world_cam.inverse() * Eigen::Translation3d(points.origin_m);
+  for (const MapPoint& point : points.points) {
+    const Eigen::Vector3d p_cam = T_cam_points * point.position_m.cast<double>();
     if (p_cam.z() <= 0 || point.weight <= 0) continue;
     const Eigen::Vector2d pixel = photo.camera.project(p_cam) / map.step;
     if (!pixel.allFinite()) continue;

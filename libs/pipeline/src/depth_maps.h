@@ -4,7 +4,6 @@
 
 #include <map>
 #include <optional>
-#include <vector>
 
 #include "cf/densify/densify.h"
 #include "cf/formats/float_raster.h"
@@ -24,7 +23,7 @@ class DepthMaps {
   /// `megapixels` matched, as [densify] says.
   explicit DepthMaps(double megapixels) : megapixels_(megapixels) {}
 
-  void add(const DenseView& photo, const std::vector<MapPoint>& points);
+  void add(const DenseView& photo, const MapPoints& points);
   /// The photo's map with STEP in its metadata, nothing if it has no point; it is forgotten here.
   std::optional<FloatRaster> take(FrameId photo);
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <functional>
 
-#include "cf/formats/tile_store.h"
 #include "cf/fuse/fuse_options.h"
+#include "cf/fuse/voxel_tile_map.h"
 #include "cf/types/tile.h"
 
 namespace cf {
@@ -21,11 +21,10 @@ struct Delivery {
 
 /// Gives the finished cloud to `sink`, tile by tile in ascending order of index: cleaned of flying
 /// points, then without voxels below options.min_views and min_confidence. Tiles left empty are not
-/// given. The store holds the raw tiles (TileMap::flush before) and is not changed; no more than
-/// options.max_memory_mb of them are in memory, and at least four tiles with their
-/// neighbours, which are cleaned side by side.
-/// options.voxel_m and tile_m are those of the TileMap.
-Delivery deliverCloud(TileStore& store, const FuseOptions& options,
+/// given. The map is not changed; beside the tiles that it holds in memory (none after
+/// TileMap::leaveMemory()) no more than options.max_memory_mb are in memory, and at least four
+/// with their neighbours, which are cleaned side by side. options.voxel_m is that of the map.
+Delivery deliverCloud(const TileMap& map, const FuseOptions& options,
                       const std::function<void(const Tile&)>& sink);
 
 }  // namespace cf

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
-#include <vector>
 
 #include "cf/base/options.h"
 #include "cf/types/map_point.h"
@@ -50,7 +49,7 @@ class OctoMapBuilder {
   void addSurface(const Tile& tile);
   /// Marks what is between a camera and the points of its depth frame as free, along
   /// rays_per_keyframe rays spread evenly over the points. Weights do not matter.
-  void carve(const Eigen::Vector3d& camera_centre_m, const std::vector<MapPoint>& seen);
+  void carve(const Eigen::Vector3d& camera_centre_m, const MapPoints& seen);
 
   /// BASE.ot with colour and BASE.bt with occupancy alone, each atomically. Throws RunError.
   void write(const std::filesystem::path& base) const;

@@ -3,14 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <vector>
 
-#include "cf/formats/tile_store.h"
 #include "cf/fuse/fuse_options.h"
 #include "cf/types/ids.h"
 #include "cf/types/map_point.h"
+#include "cf/types/tile.h"
 
 namespace cf {
 
@@ -18,11 +19,13 @@ class VoxelTile;
 
 /// The fused map: voxels of `voxel_m`, three times as high as wide, in square tiles of `tile_m`,
 /// each with the weighted means of position and colour, the sum of the weights, and the number of
-/// depth frames that saw it. Means do not depend on the order of insertion beyond float rounding.
+/// depth frames that saw it (to 4095). Means do not depend on the order of insertion beyond
+/// rounding, a thousandth of a voxel's side.
 ///
-/// Tiles in memory are held below `max_memory_mb`: the longest unused go to the store and come
-/// back, with nothing lost but rounding (colours to 1/255, positions to a float), when the map
-/// returns to them. At least the tile in work stays. Not thread-safe.
+/// Tiles in memory are held below `max_memory_mb`: the longest unused go to files of a scratch
+/// folder and come back, bit by bit what they were, when the map returns to them. Those that a
+/// frame falls on are filled side by side. The result depends neither on the threads nor on the
+/// memory. Not thread-safe but where noted.
 class TileMap {
  public:
   struct Stats {
@@ -35,33 +38,41 @@ class TileMap {
     std::size_t resident_bytes = 0;
   };
 
-  /// The store must outlive the map; what it holds already is merged with. Throws UsageError where
-  /// options.voxel_m is still 0 or exceeds the tile.
-  TileMap(const FuseOptions& options, TileStore& store);
+  /// `scratch` is made where it is needed, and removed with all that is in it at the end. Throws
+  /// UsageError where options.voxel_m is still 0, exceeds the tile, or is too small for it.
+  TileMap(const FuseOptions& options, std::filesystem::path scratch);
   ~TileMap();
   TileMap(const TileMap&) = delete;
   TileMap& operator=(const TileMap&) = delete;
 
-  /// Merges the points of one depth frame, in world coordinates. Inserts under the same id one
-  /// after the other count as one view of a voxel.
-  void insert(FrameId depth_frame, const std::vector<MapPoint>& points);
-  /// Writes every tile that changed and flushes the store. Tiles stay in memory.
-  void flush();
+  /// Merges the points of one depth frame. Inserts under the same id one after the other count as
+  /// one view of a voxel. Throws RunError where the scratch folder fails.
+  void insert(FrameId depth_frame, const MapPoints& points);
+
+  /// Of all tiles that have been filled, ascending.
+  std::vector<TileIndex> indices() const;
+  /// A tile as it is now, one point a voxel. It stays where it is.
+  Tile tile(TileIndex index) const;
+  /// Writes all tiles that changed, after which none is in memory.
+  void leaveMemory();
 
   Stats stats() const;
 
  private:
-  struct Resident;
+  struct Entry;
   struct Run;
+  using Runs = std::map<TileIndex, std::vector<Run>>;
 
-  Resident& resident(TileIndex index);
-  void save(Resident& tile);
-  void shrink(TileIndex keep);
+  Runs runsByTile(const MapPoints& points);
+  void fill(const std::vector<TileIndex>& tiles, const Runs& runs, const MapPoints& points);
+  std::filesystem::path file(TileIndex index) const;
+  void makeRoom(std::size_t wanted_bytes);
+  void evict(TileIndex index, Entry& entry);
   std::size_t bytes() const;
 
   const FuseOptions options_;
-  TileStore& store_;
-  std::map<TileIndex, Resident> tiles_;
+  const std::filesystem::path scratch_;
+  std::map<TileIndex, Entry> tiles_;
   FrameId view_frame_;
   std::uint32_t view_ = 0;   ///< number of the depth frame in work
   std::uint64_t clock_ = 0;  ///< counts uses of tiles

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <vector>
-
 #include "cf/geometry/rectification.h"
 #include "cf/types/depth_frame.h"
 #include "cf/types/map_point.h"
@@ -19,12 +17,13 @@ struct DepthTriangulationOptions {
 /// The points of a depth frame with the poses and cameras as known now. Both rays of each match are
 /// turned from the rectified views to their photos; where a camera has been refined since matching,
 /// they go through the old model's distortion back to the photo's pixel and out through the new
-/// one. The point is the middle of the shortest segment between the two rays (world, metres).
+/// one. The point is the middle of the shortest segment between the two rays, relative to the
+/// reference camera.
 /// Weight: inverse variance along the reference ray [1/m^2] by sigma_Z = Z^2 / (f b) sigma_d, times
 /// confidence / 255. Rays that meet behind a camera or nowhere give no point.
-std::vector<MapPoint> triangulateDepth(const DepthFrame& frame, const PosedCamera& reference_now,
-                                       const PosedCamera& partner_now,
-                                       const DepthTriangulationOptions& options = {});
+MapPoints triangulateDepth(const DepthFrame& frame, const PosedCamera& reference_now,
+                           const PosedCamera& partner_now,
+                           const DepthTriangulationOptions& options = {});
 
 /// RMS vertical disparity [px of the matched views] that the poses and cameras as known now predict
 /// for the frame's matches, from a sample of them. Zero where nothing has changed; above about 0.5
