@@ -96,7 +96,7 @@ const std::vector<Origin> kTargets = {
     {std::regex("CLI11::CLI11"), "cli11"},
     {std::regex("ZLIB::ZLIB"), "zlib"},
     {std::regex("cf_zstd"), "zstd"},
-    {std::regex("protobuf::libprotobuf(-lite)?"), "protobuf"},
+    {std::regex("protobuf::.*"), "protobuf"},
     {std::regex("embree"), "embree"},
 };
 

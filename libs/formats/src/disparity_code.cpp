@@ -2,36 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "disparity_code.h"
 
-#include <zstd.h>
-
 #include <cstring>
 
-#include "cf/base/error.h"
+#include "zstd_bytes.h"
 
 namespace cf {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr int kLevel = 1;
 constexpr std::uint8_t kUnmatched = 255;
 constexpr std::uint8_t kSurprise = 254;  // and above: what a byte does not hold
-
-std::string pressed(const Bytes& bytes) {
-  std::string out(ZSTD_compressBound(bytes.size()), '\0');
-  const std::size_t size =
-      ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kLevel);
-  if (ZSTD_isError(size) != 0) throw RunError("cannot compress a depth frame: out of memory");
-  out.resize(size);
-  return out;
-}
-
-/// Nothing is allocated before the bytes themselves say that they hold as many as expected.
-bool unpress(std::string_view in, std::size_t expected, Bytes& out) {
-  if (ZSTD_getFrameContentSize(in.data(), in.size()) != expected) return false;
-  out.resize(expected);
-  return ZSTD_decompress(out.data(), out.size(), in.data(), in.size()) == expected;
-}
 
 /// Small steps of either sign to small numbers: 0, -1, 1, -2, ... to 0, 1, 2, 3, ...
 std::uint16_t zigzag(std::uint16_t step) {
@@ -99,8 +80,8 @@ DisparityCode encodeDisparity(const cv::Mat& disparity, const cv::Mat& confidenc
       last_sure = sure[u];
     }
   }
-  out.residuals = pressed(residuals);
-  out.confidences = pressed(confidences);
+  out.residuals = zstdPressed(residuals);
+  out.confidences = zstdPressed(confidences);
   return out;
 }
 
@@ -109,7 +90,8 @@ bool decodeDisparity(std::string_view residuals, std::string_view surprises,
                      cv::Mat& confidence) {
   const auto pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
   Bytes steps, sure_steps;
-  if (!unpress(residuals, pixels, steps) || !unpress(confidences, pixels, sure_steps)) return false;
+  if (!zstdUnpress(residuals, pixels, steps) || !zstdUnpress(confidences, pixels, sure_steps))
+    return false;
   disparity.create(size, CV_16UC1);
   confidence.create(size, CV_8UC1);
   Foretelling foretelling(size.width);

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/formats/seam_file.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "cf/base/error.h"
+
+namespace cf {
+namespace {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the file is little endian");
+
+constexpr std::string_view kMagic = "CFSEAM01";
+
+/// In front of each message.
+struct Head {
+  std::uint32_t length = 0;
+  std::uint32_t crc = 0;       ///< of the message
+  std::uint32_t head_crc = 0;  ///< of the two above
+};
+static_assert(sizeof(Head) == 12, "as it stands in the file");
+
+std::uint32_t crcOf(const void* data, std::size_t bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, static_cast<const Bytef*>(data), bytes));
+}
+std::uint32_t headCrcOf(const Head& head) { return crcOf(&head, offsetof(Head, head_crc)); }
+
+}  // namespace
+
+SeamWriter::SeamWriter(std::filesystem::path path) : path_(std::move(path)) {
+  file_.reset(std::fopen(path_.c_str(), "wb"));
+  if (!file_) throw RunError(path_.string() + ": cannot be created: " + std::strerror(errno));
+  append(std::string(kMagic));
+}
+
+void SeamWriter::write(const SeamMessage& message) {
+  const std::string bytes = encoder_.encode(message);
+  Head head;
+  head.length = static_cast<std::uint32_t>(bytes.size());
+  head.crc = crcOf(bytes.data(), bytes.size());
+  head.head_crc = headCrcOf(head);
+  append(std::string(reinterpret_cast<const char*>(&head), sizeof head) + bytes);
+}
+
+void SeamWriter::append(const std::string& bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
+      std::fflush(file_.get()) != 0)
+    throw RunError(path_.string() + ": cannot be written: " + std::strerror(errno));
+  bytes_ += bytes.size();
+}
+
+std::optional<SeamMessage> SeamReader::next() {
+  const auto there = size();
+  if (!there) return std::nullopt;
+  if (*there < offset_) fail("the file became shorter");
+  if (!begin(*there)) return std::nullopt;
+  const std::uint64_t left = *there - offset_;
+  if (ended_ && left > 0) fail("the file goes on after its last message");
+  if (left < sizeof(Head)) return std::nullopt;
+  Head head;
+  read(&head, offset_, sizeof head);
+  if (head.head_crc != headCrcOf(head)) fail("the length of a message is damaged");
+  if (left - sizeof head < head.length) return std::nullopt;
+  std::string bytes(head.length, '\0');
+  read(bytes.data(), offset_ + sizeof head, bytes.size());
+  if (head.crc != crcOf(bytes.data(), bytes.size())) fail("a message is damaged");
+  Result<SeamMessage> message = decoder_.decode(bytes);
+  if (!message) fail("a message cannot be understood: " + message.failure().detail);
+  offset_ += sizeof head + head.length;
+  ended_ = std::holds_alternative<SeamDone>(message.value());
+  return std::move(message.value());
+}
+
+std::optional<std::uint64_t> SeamReader::size() {
+  if (!file_) file_.reset(std::fopen(path_.c_str(), "rb"));
+  if (!file_ && errno == ENOENT) return std::nullopt;
+  struct stat status {};
+  if (!file_ || fstat(fileno(file_.get()), &status) != 0)
+    throw RunError(path_.string() + ": cannot be read: " + std::strerror(errno));
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+/// Past the bytes that name the format; false if they are not all there yet.
+bool SeamReader::begin(std::uint64_t size) {
+  if (offset_ > 0) return true;
+  std::string start(std::min<std::uint64_t>(size, kMagic.size()), '\0');
+  read(start.data(), 0, start.size());
+  if (start != kMagic.substr(0, start.size())) fail("this is no seam file of this version");
+  if (start.size() < kMagic.size()) return false;
+  offset_ = kMagic.size();
+  return true;
+}
+
+/// Past any buffer: what was not there a moment ago may be now.
+void SeamReader::read(void* to, std::uint64_t offset, std::size_t bytes) const {
+  char* at = static_cast<char*>(to);
+  while (bytes > 0) {
+    const ssize_t got = pread(fileno(file_.get()), at, bytes, static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw RunError(path_.string() + ": cannot be read: " + std::strerror(errno));
+    if (got == 0) fail("the file became shorter");
+    at += got;
+    offset += static_cast<std::uint64_t>(got);
+    bytes -= static_cast<std::size_t>(got);
+  }
+}
+
+void SeamReader::fail(const std::string& what) const {
+  throw RunError(fmt::format("{}: {} (at byte {}); let its UAV write it again", path_.string(),
+                             what, offset_));
+}
+
+}  // namespace cf
