@@ -98,6 +98,18 @@ TEST(SeamMessage, aStepWithoutTheOneBeforeIsRefused) {
   EXPECT_FALSE(decoder.decode(second));
 }
 
+TEST(SeamMessage, aSegmentNamedAgainAndAgainBringsItsPosesOnce) {
+  std::mt19937 random(1);
+  const GeoSegment segment = grownSegment({}, random);
+  SeamEncoder encoder;
+  SeamDecoder decoder;
+  ChainStep message;
+  message.segments = std::make_shared<std::vector<GeoSegment>>(1, segment);
+  EXPECT_TRUE(decoder.decode(encoder.encode(message)));
+  message.segments = std::make_shared<std::vector<GeoSegment>>(5, segment);
+  EXPECT_FALSE(decoder.decode(encoder.encode(message)));
+}
+
 TEST(SeamMessage, aKeyframeOf2000FeaturesIsWithinTheBudget) {
   std::mt19937 random(1);
   ChainStep step;

@@ -132,10 +132,12 @@ GeoKeyframe keyframeOf(const seam::Keyframe& in) {
   return out;
 }
 
-GeoSegment segmentOf(const seam::Segment& in, const std::vector<GeoSegment>* known) {
+/// Takes the segment out of `known`: no message tells of one twice.
+GeoSegment segmentOf(const seam::Segment& in, SegmentsById& known) {
   GeoSegment out;
   out.id = {uavOf(in.uav()), in.segment()};
   if (const GeoSegment* before = segmentIn(known, out.id)) out.poses = before->poses;
+  known.erase(out.id);
   out.georeferenced = in.georeferenced();
   out.scale = in.scale();
   out.scale_sigma = in.scale_sigma();
@@ -152,7 +154,7 @@ GeoSegment segmentOf(const seam::Segment& in, const std::vector<GeoSegment>* kno
   return out;
 }
 
-ChainStep stepOf(const seam::Step& in, const std::vector<GeoSegment>* known) {
+ChainStep stepOf(const seam::Step& in, SegmentsById known) {
   ChainStep out;
   out.uav = uavOf(in.uav());
   for (const seam::Keyframe& keyframe : in.keyframes())
@@ -206,12 +208,12 @@ SeamDone doneOf(const seam::Done& in) {
   return out;
 }
 
-SeamMessage messageOf(const seam::Message& in, const std::vector<GeoSegment>* known) {
+SeamMessage messageOf(const seam::Message& in, const std::vector<GeoSegment>* segments) {
   switch (in.kind_case()) {
     case seam::Message::kHello:
       return helloOf(in.hello());
     case seam::Message::kStep:
-      return stepOf(in.step(), known);
+      return stepOf(in.step(), byId(segments));
     case seam::Message::kReducedPhoto:
       return SeamPhoto{idOf(in.reduced_photo().photo()), in.reduced_photo().jpeg()};
     case seam::Message::kDone:

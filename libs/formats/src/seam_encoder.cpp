@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -129,7 +128,7 @@ void put(const GeoSegment& segment, const GeoSegment* before, seam::Segment& out
   }
 }
 
-void put(const ChainStep& step, const std::vector<GeoSegment>* before, seam::Step& out) {
+void put(const ChainStep& step, const SegmentsById& before, seam::Step& out) {
   out.set_uav(step.uav);
   for (const GeoKeyframe& keyframe : step.keyframes) put(keyframe, *out.add_keyframes());
   if (step.segments) {
@@ -204,7 +203,7 @@ std::string SeamEncoder::encode(const SeamMessage& message) {
     put(*hello, *out.mutable_hello());
     segments_ = nullptr;
   } else if (const auto* step = std::get_if<ChainStep>(&message)) {
-    put(*step, segments_.get(), *out.mutable_step());
+    put(*step, byId(segments_.get()), *out.mutable_step());
     if (step->segments) segments_ = step->segments;
   } else if (const auto* photo = std::get_if<SeamPhoto>(&message)) {
     put(photo->photo, *out.mutable_reduced_photo()->mutable_photo());
