@@ -50,18 +50,18 @@ CameraModel readCameraIni(const std::filesystem::path& file, const std::string& 
     const auto node = values.extract(key);
     return node.empty() ? otherwise : node.mapped();
   };
-  const auto need = [&](const char* key) {
+  const auto need = [&](const char* key, double least) {
     const double value = take(key, 0);
     constexpr double kMost = 1e6;
-    if (!(value > 0 && value < kMost))
+    if (!(value >= least && value > 0 && value < kMost))
       throw UsageError(
           fmt::format("{}: [{}] needs {} in pixels, above 0", file.string(), section, key));
     return value;
   };
   CameraModel camera;
-  camera.width = static_cast<int>(need("width"));
-  camera.height = static_cast<int>(need("height"));
-  camera.fx = need("fx");
+  camera.width = static_cast<int>(need("width", 1));
+  camera.height = static_cast<int>(need("height", 1));
+  camera.fx = need("fx", 0);
   camera.fy = take("fy", camera.fx);
   camera.cx = take("cx", (camera.width - 1) / 2.0);
   camera.cy = take("cy", (camera.height - 1) / 2.0);

@@ -31,10 +31,10 @@ double binaryNumber(std::ifstream& in) {
   return static_cast<double>(value);
 }
 
-/// Integer colours are 0..255, floating ones 0..1.
+/// Integer colours are 0..255, floating ones 0..1; what is no number is black.
 std::uint8_t colourOf(double value, bool floating) {
-  return static_cast<std::uint8_t>(
-      std::clamp(std::round(floating ? 255 * value : value), 0., 255.));
+  const double level = std::round(floating ? 255 * value : value);
+  return level > 0 ? static_cast<std::uint8_t>(std::min(level, 255.)) : std::uint8_t{0};
 }
 
 }  // namespace
@@ -75,7 +75,8 @@ PlyReader::PlyReader(const std::filesystem::path& path) : path_(path), buffer_(1
   count_ = vertex->count;
   vertex_ = vertex->properties;
   for (auto e = elements.begin(); e != vertex; ++e)
-    for (std::uint64_t i = 0; i < e->count; ++i) readRecord(e->properties, nullptr);
+    for (std::uint64_t i = 0; i < e->count && !e->properties.empty(); ++i)
+      readRecord(e->properties, nullptr);
 }
 
 void PlyReader::fail(const std::string& what) const {

@@ -63,8 +63,11 @@ FocalTags focalFrom(const ExifItems& exif) {
   const double unit_mm =
       firstNumber(exif, "EXIF_FocalPlaneResolutionUnit") == 3 ? kMmPerCm : kMmPerInch;
   tags.focal_plane_px_per_mm = firstNumber(exif, "EXIF_FocalPlaneXResolution") / unit_mm;
-  tags.original_width = static_cast<int>(std::max(firstNumber(exif, "EXIF_Related_Image_Width"),
-                                                  firstNumber(exif, "EXIF_PixelXDimension")));
+  constexpr double kWidest = 1e6;
+  tags.original_width =
+      static_cast<int>(std::clamp(std::max(firstNumber(exif, "EXIF_Related_Image_Width"),
+                                           firstNumber(exif, "EXIF_PixelXDimension")),
+                                  0., kWidest));
   return tags;
 }
 

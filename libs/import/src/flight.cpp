@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <numeric>
@@ -202,7 +203,7 @@ std::vector<Flight> splitFlight(const Flight& flight, const std::string& split) 
                       flight.folder.string()));
   } else {
     const auto parts = numberFrom(split);
-    if (!parts || *parts != static_cast<double>(static_cast<long>(*parts)) || *parts < 1)
+    if (!parts || *parts != std::floor(*parts) || *parts < 1)
       throw UsageError(fmt::format("--split {}: give a number of UAVs or 'strips'", split));
     if (*parts > static_cast<double>(n))
       throw UsageError(

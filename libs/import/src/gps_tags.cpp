@@ -88,6 +88,8 @@ bool isPlace(double latitude_deg, double longitude_deg) {
          (latitude_deg != 0 || longitude_deg != 0);
 }
 
+bool isHeight(double height_m) { return std::abs(height_m) <= 1e5; }
+
 std::optional<PhotoPosition> exifPosition(const ExifItems& exif) {
   const auto latitude = angleFrom(exif, "EXIF_GPSLatitude", 'S');
   const auto longitude = angleFrom(exif, "EXIF_GPSLongitude", 'W');
@@ -97,7 +99,7 @@ std::optional<PhotoPosition> exifPosition(const ExifItems& exif) {
   position.latitude_deg = *latitude;
   position.longitude_deg = *longitude;
   const std::vector<double> altitude = numbersIn(item(exif, "EXIF_GPSAltitude"));
-  if (!altitude.empty()) {
+  if (!altitude.empty() && isHeight(altitude[0])) {
     // 0: above, 1: below sea level, but drones write any datum under these. 2 and 3 (EXIF 2.32):
     // above and below the ellipsoid.
     const std::string text = item(exif, "EXIF_GPSAltitudeRef");
@@ -116,7 +118,8 @@ void refineByXmp(const std::string& xmp, std::optional<PhotoPosition>& position)
   if (!longitude) longitude = value("GpsLongtitude");  // as early firmware spells it
   const auto sigma_n = value("RtkStdLat"), sigma_e = value("RtkStdLon"),
              sigma_u = value("RtkStdHgt");
-  const bool rtk = sigma_n && sigma_e && sigma_u && *sigma_n > 0 && *sigma_e > 0 && *sigma_u > 0;
+  const auto isSigma = [](const std::optional<double>& s) { return s && *s > 1e-5 && *s < 1e6; };
+  const bool rtk = isSigma(sigma_n) && isSigma(sigma_e) && isSigma(sigma_u);
   const auto altitude = value("AbsoluteAltitude");
 
   if (latitude && longitude && isPlace(*latitude, *longitude)) {
@@ -125,7 +128,8 @@ void refineByXmp(const std::string& xmp, std::optional<PhotoPosition>& position)
     position->longitude_deg = *longitude;
   }
   if (!position) return;
-  if (altitude && (rtk || !position->height_m)) position->height_m = *altitude;
+  if (altitude && isHeight(*altitude) && (rtk || !position->height_m))
+    position->height_m = *altitude;
   if (rtk) {
     position->sigma_enu_m = Eigen::Vector3d(*sigma_e, *sigma_n, *sigma_u);
     position->datum = HeightDatum::kEllipsoid;

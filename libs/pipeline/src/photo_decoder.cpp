@@ -2,11 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "photo_decoder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
 #include <vector>
+
+#include "cf/formats/image_header.h"
 
 namespace cf {
 namespace {
@@ -24,19 +31,50 @@ bool isWholeJpeg(const std::vector<std::uint8_t>& bytes) {
   return lastMarker(bytes, 0xD9) > lastMarker(bytes, 0xDA);
 }
 
-}  // namespace
+Failure damaged(const std::string& what) { return {"damaged", what}; }
 
-Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels) {
-  std::ifstream in(photo.file, std::ios::binary | std::ios::ate);
-  if (!in) return Failure{"damaged", "file cannot be opened"};
+Result<std::vector<std::uint8_t>> bytesOf(const std::filesystem::path& file) {
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return damaged("file is missing");
+  if (std::filesystem::file_size(file, ignored) > kMostBytes)
+    return damaged("file is larger than 1 GB");
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in) return damaged("file cannot be opened");
   std::vector<std::uint8_t> bytes(
       static_cast<std::size_t>(std::max<std::streamoff>(0, in.tellg())));
   in.seekg(0);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!in) return Failure{"damaged", "file cannot be read"};
-  if (bytes.empty()) return Failure{"damaged", "file is empty"};
-  if (!isWholeJpeg(bytes)) return Failure{"damaged", "JPEG breaks off"};
-  const double full = 1e-6 * photo.camera.width * photo.camera.height;
+  if (!in) return damaged("file cannot be read");
+  return bytes;
+}
+
+/// What speaks against decoding a picture of that size as the photo; empty: nothing.
+std::string objectionTo(const ImageSize& size, const CameraModel& camera) {
+  constexpr double kMostPixels = 4e8, kRounding_px = 2;
+  const double width = size.width, height = size.height;
+  if (width * height > kMostPixels)
+    return fmt::format("{} x {} pixels are more than any photo has", width, height);
+  if (std::abs(height - width * camera.height / camera.width) > kRounding_px)
+    return fmt::format("{} x {} pixels have another shape than the {} x {} of the rawlog", width,
+                       height, camera.width, camera.height);
+  return {};
+}
+
+}  // namespace
+
+Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels) {
+  const auto read = bytesOf(photo.file);
+  if (!read) return read.failure();
+  const std::vector<std::uint8_t>& bytes = read.value();
+  if (bytes.empty()) return damaged("file is empty");
+  if (!isWholeJpeg(bytes)) return damaged("JPEG breaks off");
+  double full = 1e-6 * photo.camera.width * photo.camera.height;
+  if (const auto size = imageSizeOf(bytes.data(), bytes.size())) {
+    const std::string objection = objectionTo(*size, photo.camera);
+    if (!objection.empty()) return damaged(objection);
+    full = 1e-6 * size->width * size->height;
+  }
   const int reduction = full / 16 >= megapixels  ? cv::IMREAD_REDUCED_COLOR_4
                         : full / 4 >= megapixels ? cv::IMREAD_REDUCED_COLOR_2
                                                  : cv::IMREAD_COLOR;
@@ -46,7 +84,7 @@ Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels) {
   } catch (const cv::Exception&) {
     image.release();
   }
-  if (image.empty()) return Failure{"damaged", "file cannot be decoded"};
+  if (image.empty()) return damaged("file cannot be decoded");
   return image;
 }
 

@@ -46,8 +46,9 @@ namespace {
 
 void checkUav(const UavOptions& uav, const std::string& where) {
   if (uav.rawlog.empty()) throw UsageError(where + "needs rawlog = FILE");
-  if (uav.name.empty() || uav.name.find('/') != std::string::npos)
-    throw UsageError(where + "names a UAV; the name becomes a file name and may not hold '/'");
+  if (uav.name.empty() || uav.name.front() == '.' || uav.name.find('/') != std::string::npos)
+    throw UsageError(
+        where + "names a UAV; the name becomes a file name: no '/' in it, no '.' before it");
   if (uav.sigma.empty()) return;
   const auto sigma = parseNumbers(uav.sigma, 2, where + "sigma");
   if (!(sigma[0] > 0) || !(sigma[1] > 0))
