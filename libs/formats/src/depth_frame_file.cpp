@@ -14,6 +14,7 @@
 
 #include "cf/base/error.h"
 #include "cf/formats/atomic_file.h"
+#include "cf/formats/image_header.h"
 #include "disparity_code.h"
 #include "file_bytes.h"
 
@@ -131,24 +132,16 @@ void codeFields(Coder& code, Frame& frame) {
   code(frame.disparity_offset_px);
 }
 
-/// The size that a JPEG's first frame header tells; 0 x 0 if there is none.
-cv::Size jpegSize(std::string_view jpeg) {
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(jpeg[k]); };
-  const auto word = [&](std::size_t k) { return byte(k) << 8 | byte(k + 1); };
-  for (std::size_t at = 2; at + 9 <= jpeg.size() && byte(at) == 0xFF;) {
-    const int marker = byte(at + 1);
-    const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker % 4 != 0;
-    if (is_frame || marker == 0xC0) return {word(at + 7), word(at + 5)};
-    at += 2 + static_cast<std::size_t>(word(at + 2));
-  }
-  return {};
-}
-
+/// Empty if it is no JPEG of that size.
 cv::Mat decodedColour(std::string_view jpeg, cv::Size size) {
-  if (jpegSize(jpeg) != size) return {};
-  const auto* first = reinterpret_cast<const uchar*>(jpeg.data());
+  const auto* bytes = reinterpret_cast<const uchar*>(jpeg.data());
+  const auto told = imageSizeOf(bytes, jpeg.size());
+  if (jpeg.substr(0, 2) != "\xFF\xD8" || !told ||
+      told->width != static_cast<unsigned>(size.width) ||
+      told->height != static_cast<unsigned>(size.height))
+    return {};
   try {
-    return cv::imdecode(std::vector<uchar>(first, first + jpeg.size()), cv::IMREAD_UNCHANGED);
+    return cv::imdecode(std::vector<uchar>(bytes, bytes + jpeg.size()), cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
     return {};
   }
