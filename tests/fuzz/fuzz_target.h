@@ -35,7 +35,8 @@ class InputFile {
   InputFile& operator=(const InputFile&) = delete;
 
   const std::filesystem::path& put(const std::uint8_t* data, std::size_t size) {
-    if (ftruncate(fd_, 0) != 0 || pwrite(fd_, data, size, 0) != static_cast<ssize_t>(size))
+    if (pwrite(fd_, data, size, 0) != static_cast<ssize_t>(size) ||
+        ftruncate(fd_, static_cast<off_t>(size)) != 0)
       throw std::runtime_error("file in memory cannot be written");
     return path_;
   }
