@@ -10,6 +10,7 @@ namespace {
 int succeed(int, char**) { return 0; }
 int failUsage(int, char**) { throw UsageError("flight.ini: no such file"); }
 int failRun(int, char**) { throw RunError("out: not writable"); }
+int failStrangely(int, char**) { throw RunError("a\nb\x1B[31m  c: not writable"); }
 int failOther(int, char**) { throw std::logic_error("surprise"); }
 
 struct Case {
@@ -21,7 +22,9 @@ struct Case {
 TEST(ExitStatus, followsTheContractWithOneLine) {
   for (const Case& c :
        {Case{succeed, 0, ""}, Case{failUsage, 2, "cf-x: flight.ini: no such file\n"},
-        Case{failRun, 1, "cf-x: out: not writable\n"}, Case{failOther, 1, "cf-x: surprise\n"}}) {
+        Case{failRun, 1, "cf-x: out: not writable\n"},
+        Case{failStrangely, 1, "cf-x: a?b?[31m  c: not writable\n"},
+        Case{failOther, 1, "cf-x: surprise\n"}}) {
     testing::internal::CaptureStderr();
     EXPECT_EQ(exitStatusOf("cf-x", c.body, 0, nullptr), c.status);
     EXPECT_EQ(testing::internal::GetCapturedStderr(), c.line);
