@@ -9,6 +9,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/serialization/CArchive.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstring>
@@ -296,6 +297,11 @@ TEST_F(HostileRawlog, NotesOfImpossibleValuesAreNotBelieved) {
   EXPECT_FALSE(r.photos[0].attitude);
   ASSERT_EQ(r.fixes.size(), 1u);
   EXPECT_EQ(r.fixes[0].sigma_enu_m, Eigen::Vector3d(2, 2, 4));
+}
+
+TEST_F(HostileRawlog, APipeIsNotWaitedFor) {
+  ASSERT_EQ(mkfifo(path_.c_str(), 0600), 0);
+  EXPECT_THROW(readRecording(path_), RunError);
 }
 
 TEST_F(HostileRawlog, AFileThatOnlyUnpacksToZerosIsNoRawlog) {

@@ -90,8 +90,10 @@ bool sameName(const std::string& a, const std::string& b) {
 }
 
 std::vector<IniSection> readIniFile(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!std::filesystem::is_regular_file(file) || !in)
+  std::error_code ignored;
+  std::ifstream in;
+  if (std::filesystem::is_regular_file(file, ignored)) in.open(file);
+  if (!in.is_open())
     throw UsageError(fmt::format("{}: no such configuration file, or not readable", file.string()));
   IniScanner scanner(file);
   for (std::string line; std::getline(in, line);) {

@@ -17,8 +17,11 @@ namespace {
 /// Keys and values of one section; comments start with ; or #.
 std::map<std::string, double> readSection(const std::filesystem::path& file,
                                           const std::string& wanted) {
-  std::ifstream in(file);
-  if (!in) throw UsageError(fmt::format("{} cannot be read: is it there?", file.string()));
+  std::error_code ignored;
+  std::ifstream in;
+  if (std::filesystem::is_regular_file(file, ignored)) in.open(file);
+  if (!in.is_open())
+    throw UsageError(fmt::format("{} cannot be read: is it there?", file.string()));
   std::map<std::string, double> values;
   std::string line, section;
   for (int number = 1; std::getline(in, line); ++number) {

@@ -10,9 +10,10 @@
 namespace cf {
 
 std::vector<TextLine> readTextLines(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file))
-    throw UsageError(file.string() + " cannot be read: is it there?");
+  std::error_code ignored;
+  std::ifstream in;
+  if (std::filesystem::is_regular_file(file, ignored)) in.open(file);
+  if (!in.is_open()) throw UsageError(file.string() + " cannot be read: is it there?");
   std::vector<TextLine> lines;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {

@@ -42,10 +42,10 @@ bool mayBeObservation(std::string_view name) {
 
 }  // namespace
 
-RawlogRecords::RawlogRecords(const std::filesystem::path& rawlog)
-    : file_(gzopen(rawlog.c_str(), "rb")) {
+RawlogRecords::RawlogRecords(const std::filesystem::path& rawlog) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(rawlog, ignored) || !file_)
+  if (std::filesystem::is_regular_file(rawlog, ignored)) file_.reset(gzopen(rawlog.c_str(), "rb"));
+  if (!file_)
     throw RunError(fmt::format("{} cannot be read: there is no such rawlog", rawlog.string()));
 }
 
