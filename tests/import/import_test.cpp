@@ -208,6 +208,45 @@ TEST_F(Import, PngWithoutTagsIsImportedAndWhatIsMissingIsSaid) {
   EXPECT_EQ(recording("f").photos.at(2).name, "10.png");
 }
 
+TEST_F(Import, SpacesUnicodeAndLineBreaksInNames) {
+  const std::string names[] = {"Süd 1 (a) #2.JPG", "第一 'x'.jpg", "two\nlines.jpg"};
+  for (int i = 0; i < 3; ++i) photo(i).write(folder_ / "Flüge; See/日本 1" / names[i], 64, 48);
+  const CommandResult r = import("--images 'Flüge; See/日本 1' -o 'out'");
+  ASSERT_EQ(r.status, 0) << r.output;
+  const std::string config = support::fileText(folder_ / "out/config.ini");
+  const std::size_t begin = config.find("[uav.") + 5;
+  const UavRecording rec = recording(config.substr(begin, config.find(']') - begin));
+  ASSERT_EQ(rec.photos.size(), 3u) << config;
+  for (int i = 0; i < 3; ++i) {
+    const ImageFrame& frame = rec.photos[static_cast<std::size_t>(i)];
+    EXPECT_EQ(frame.file.filename().string(), names[i]);
+    EXPECT_TRUE(std::filesystem::is_regular_file(frame.file));
+    EXPECT_EQ(frame.name, i < 2 ? names[i] : "two?lines.jpg");
+  }
+}
+
+TEST_F(Import, TagsThatCannotBeAreAsIfTheyWereNotThere) {
+  flight("north", 2);
+  ExifJpeg moon, nowhere;
+  moon.dateTime("2016:06:23 16:00:04")
+      .position(46.8, -91.9, 4e6)
+      .rationals(ExifJpeg::kExif, 0x920A, {4e9}, 1);
+  moon.xmp(
+      "drone-dji:RtkStdLon=\"1e-300\" drone-dji:RtkStdLat=\"1\" drone-dji:RtkStdHgt=\"nan\""
+      " drone-dji:GimbalYawDegree=\"inf\" drone-dji:GpsLatitude=\"999\"");
+  nowhere.dateTime("2016:13:45 99:99:99").position(91, -91.9, 100);
+  moon.write(folder_ / "north/P2.JPG", 64, 48);
+  nowhere.write(folder_ / "north/P3.JPG", 64, 48);
+  ASSERT_EQ(import("--images north -o out").status, 0);
+  const UavRecording rec = recording("north");
+  EXPECT_TRUE(rec.warnings.empty()) << rec.warnings[0];
+  EXPECT_EQ(rec.photos.size(), 4u);
+  ASSERT_EQ(rec.fixes.size(), 3u);
+  EXPECT_EQ(rec.fixes[2].latitude_deg, 46.8);
+  EXPECT_EQ(rec.fixes[2].sigma_enu_m, Eigen::Vector3d(2, 2, 1000)) << "its height is not known";
+  EXPECT_LT(rec.photos[2].camera.fx, 1000);
+}
+
 TEST_F(Import, WrongUseIsOneLineAndStatus2) {
   flight("f", 3);
   std::filesystem::create_directory(folder_ / "empty");
