@@ -4,18 +4,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <cstddef>
+#include <cstring>
 #include <limits>
-
-#include "cf/base/error.h"
-#include "voxel_index.h"
+#include <utility>
 
 namespace cf {
 namespace {
 
-constexpr float kPositionSteps = 65536;
-constexpr float kLastStep = 65535.9F;
+/// A position of 1 falls on the last of 65536 steps.
+constexpr float kPositionSteps = 65535.9F;
 constexpr float kColourSteps = 257;
+constexpr float kFarthest = 1 << 18;  ///< cells along z from the origin of the points
+
+// What the processor works on at once (a language extension of g++ and clang).
+using Floats = float __attribute__((vector_size(16)));
+using Ints = std::int32_t __attribute__((vector_size(16)));
+using MoreFloats = float __attribute__((vector_size(32)));
+using MoreInts = std::int32_t __attribute__((vector_size(32)));
+using Shorts = std::uint16_t __attribute__((vector_size(16)));
 
 }  // namespace
 
@@ -27,53 +34,122 @@ VoxelTile::VoxelTile(TileIndex index, double tile_m, double voxel_m)
       blocks_along_((columns_ + kBlockSide - 1) / kBlockSide),
       blocks_(static_cast<std::size_t>(blocks_along_) * static_cast<std::size_t>(blocks_along_)) {}
 
-bool VoxelTile::locate(const Eigen::Vector3d& shift, const MapPoint& point, Arrival& arrival) {
-  const double scale = 1 / voxel_m_;
-  const double x = shift.x() + scale * static_cast<double>(point.position_m.x());
-  const double y = shift.y() + scale * static_cast<double>(point.position_m.y());
-  const double z = shift.z() + scale / kHeightOverSide * static_cast<double>(point.position_m.z());
-  constexpr double kLimit = kZeroHeight - 1;
-  if (!(std::abs(z) < kLimit) || !(point.weight > 0) ||
+/// Where a point goes, and with what.
+struct VoxelTile::Arrival {
+  MoreFloats values;  ///< as a voxel's last 16 bytes: nothing twice, then the means
+  Voxel* column;
+  Block* block;
+  std::int32_t height;
+  float weight;
+};
+
+/// Cells around the origin of points: cell = factor * position + shift, in floats near zero.
+struct VoxelTile::Grid {
+  Floats factor, shift, low, high;
+  std::int32_t height;  ///< of the cell zero
+  float farthest_m;     ///< along z
+};
+
+/// The running mean of all six at once: the last 16 bytes of a voxel are taken as eight numbers,
+/// of which the first two, views and height, get no share.
+void VoxelTile::Voxel::add(const Arrival& arrival) {
+  static_assert(offsetof(Voxel, mean) + sizeof(mean) == 24);
+  constexpr MoreFloats kShared = {0, 0, 1, 1, 1, 1, 1, 1};
+  weight += arrival.weight;
+  const MoreFloats shares = kShared * (arrival.weight / weight);
+  char* const bytes = reinterpret_cast<char*>(this) + 8;
+  Shorts means;
+  std::memcpy(&means, bytes, sizeof(means));
+  const MoreFloats before =
+      __builtin_convertvector(__builtin_convertvector(means, MoreInts), MoreFloats) + 0.5F;
+  const MoreFloats after = before + shares * (arrival.values - before);
+  means = __builtin_convertvector(__builtin_convertvector(after, MoreInts), Shorts);
+  std::memcpy(bytes, &means, sizeof(means));
+}
+
+std::unique_ptr<VoxelTile::Block>& VoxelTile::blockOf(int i, int j) {
+  return blocks_[static_cast<std::size_t>((j / kBlockSide) * blocks_along_ + i / kBlockSide)];
+}
+
+std::size_t VoxelTile::columnOf(int i, int j) {
+  return static_cast<std::size_t>((j % kBlockSide) * kBlockSide + i % kBlockSide);
+}
+
+VoxelTile::Grid VoxelTile::gridAround(const Eigen::Vector3d& origin_m) const {
+  const Eigen::Vector3d side(voxel_m_, voxel_m_, kHeightOverSide * voxel_m_);
+  const Eigen::Vector3d origin = (origin_m - offset_m_).cwiseQuotient(side);
+  const double height = std::floor(origin.z());
+  const Eigen::Vector3f factor = side.cwiseInverse().cast<float>();
+  const Eigen::Vector3f shift = (origin - height * Eigen::Vector3d::UnitZ()).cast<float>();
+  // A point on the tile's edge may fall a rounding error outside of it.
+  const float edge = std::nextafter(static_cast<float>(columns_), 0.F);
+  Grid grid;
+  grid.factor = Floats{factor.x(), factor.y(), factor.z(), 0};
+  grid.shift = Floats{shift.x(), shift.y(), shift.z(), 0};
+  grid.low = Floats{0, 0, -2 * kFarthest, 0};
+  grid.high = Floats{edge, edge, 2 * kFarthest, 0};
+  const bool reached = std::abs(height) < kFarthest - 1;
+  grid.height = reached ? static_cast<std::int32_t>(height) : 0;
+  grid.farthest_m = reached ? kFarthest * static_cast<float>(side.z()) : 0;
+  return grid;
+}
+
+bool VoxelTile::locate(const Grid& grid, const MapPoint& point, Arrival& arrival) {
+  if (!(std::abs(point.position_m.z()) < grid.farthest_m) || !(point.weight > 0) ||
       !(point.weight <= std::numeric_limits<float>::max()))
     return false;
-  // A point on the tile's edge may fall a rounding error outside of it.
-  const int i = std::clamp(static_cast<int>(x), 0, columns_ - 1);
-  const int j = std::clamp(static_cast<int>(y), 0, columns_ - 1);
-  const auto k = static_cast<std::int32_t>(floorToInt(z));
-
-  std::unique_ptr<Block>& block =
-      blocks_[static_cast<std::size_t>(j / kBlockSide * blocks_along_ + i / kBlockSide)];
+  const Floats position = {point.position_m.x(), point.position_m.y(), point.position_m.z(), 0};
+  Floats at = grid.factor * position + grid.shift;
+  at = at > grid.low ? at : grid.low;
+  at = at < grid.high ? at : grid.high;
+  Ints cell = __builtin_convertvector(at, Ints);
+  cell += __builtin_convertvector(cell, Floats) > at;  // rounds down: true is -1
+  const Floats inside = (at - __builtin_convertvector(cell, Floats)) * kPositionSteps;
+  const Ints bgr = {point.bgr[0], point.bgr[1], point.bgr[2], 0};
+  const Floats colour = __builtin_convertvector(bgr, Floats) * kColourSteps + 0.5F;
+  arrival.values =
+      MoreFloats{0, 0, colour[0], colour[1], colour[2], inside[0], inside[1], inside[2]};
+  arrival.height = cell[2] + grid.height;
+  arrival.weight = point.weight;
+  std::unique_ptr<Block>& block = blockOf(cell[0], cell[1]);
   if (!block) {
     block = std::make_unique<Block>();
-    block->fill(kNone);
     ++filled_blocks_;
   }
-  arrival.first = &(*block)[static_cast<std::size_t>(j % kBlockSide * kBlockSide + i % kBlockSide)];
-  arrival.height = static_cast<std::uint32_t>(k + static_cast<std::int32_t>(kZeroHeight));
-  arrival.weight = point.weight;
-  const auto inside = [](double rest) {
-    return std::clamp(kPositionSteps * static_cast<float>(rest), 0.F, kLastStep);
-  };
-  arrival.value[0] = inside(x - i);
-  arrival.value[1] = inside(y - j);
-  arrival.value[2] = inside(z - k);
-  for (int c = 0; c < 3; ++c)
-    arrival.value[3 + c] = kColourSteps * static_cast<float>(point.bgr[c]) + 0.5F;
+  arrival.block = block.get();
+  arrival.column = &block->columns[columnOf(cell[0], cell[1])];
   return true;
 }
 
-VoxelTile::Voxel* VoxelTile::voxelAt(const Arrival& arrival) {
-  for (std::uint32_t number = *arrival.first; number != kNone;) {
-    Voxel& found = voxel(number);
-    if (found.height == arrival.height) return &found;
-    number = found.next;
+VoxelTile::Voxel* VoxelTile::voxelAt(Block& block, Voxel& column, std::int32_t height) {
+  if (column.weight == 0) {
+    column.height = height;
+    ++size_;
+    return &column;
   }
-  if (size_ == kNone) return nullptr;
-  if (size_ % kSlabVoxels == 0) slabs_.push_back(std::make_unique<Slab>());
-  Voxel& added = voxel(size_);
-  added.height = arrival.height;
-  added.next = *arrival.first;
-  *arrival.first = size_++;
+  if (column.height == height) return &column;
+  for (std::uint32_t number = column.next; number != kNone;) {
+    Voxel& found = voxel(number);
+    number = found.next;
+    if (found.height != height) continue;
+    if (found.weight <= column.weight) return &found;
+    const std::uint32_t first = column.next, next = found.next;
+    std::swap(found, column);
+    column.next = first;
+    found.next = next;
+    return &column;
+  }
+  if (block.free % kChunkVoxels == 0) {
+    if (room_ + kChunkVoxels > kNone) return nullptr;
+    if (room_ % kSlabVoxels == 0) slabs_.push_back(std::make_unique<Slab>());
+    block.free = room_;
+    room_ += kChunkVoxels;
+  }
+  Voxel& added = voxel(block.free);
+  added.height = height;
+  added.next = column.next;
+  column.next = block.free++;
+  ++size_;
   return &added;
 }
 
@@ -81,7 +157,11 @@ void VoxelTile::startView(std::uint32_t view) {
   if (stamp_ != 0 && view == view_) return;
   view_ = view;
   if (stamp_ == kMaxStamp) {  // from the beginning: what they stood for has passed
-    for (std::uint32_t number = 0; number < size_; ++number) voxel(number).stamp = 0;
+    for (const auto& block : blocks_)
+      if (block)
+        for (Voxel& v : block->columns) v.stamp = 0;
+    for (const auto& slab : slabs_)
+      for (Voxel& v : *slab) v.stamp = 0;
     stamp_ = 0;
   }
   ++stamp_;
@@ -90,33 +170,29 @@ void VoxelTile::startView(std::uint32_t view) {
 std::size_t VoxelTile::add(const Eigen::Vector3d& origin_m, const MapPoint* begin,
                            const MapPoint* end, std::uint32_t view) {
   startView(view);
-  const Eigen::Vector3d relative = (origin_m - offset_m_) / voxel_m_;
-  const Eigen::Vector3d shift(relative.x(), relative.y(), relative.z() / kHeightOverSide);
-  // In blocks, each memory access asked for ahead of its use: waiting for them is most of the time.
-  constexpr std::size_t kAtOnce = 32;
+  const Grid grid = gridAround(origin_m);
+  // In groups, each memory access asked for ahead of its use: waiting for them is most of the time.
+  constexpr std::size_t kAtOnce = 64;
   std::array<Arrival, kAtOnce> arrivals;
   std::size_t merged = 0;
   while (begin != end) {
     std::size_t n = 0;
     for (; begin != end && n < kAtOnce; ++begin) {
-      if (!locate(shift, *begin, arrivals[n])) continue;
-      __builtin_prefetch(arrivals[n].first, 1);
+      if (!locate(grid, *begin, arrivals[n])) continue;
+      __builtin_prefetch(arrivals[n].column, 1);
       ++n;
     }
-    for (std::size_t i = 0; i < n; ++i)
-      if (*arrivals[i].first != kNone) __builtin_prefetch(&voxel(*arrivals[i].first), 1);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Arrival& arrival = arrivals[i];
-      Voxel* const to = voxelAt(arrival);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Voxel& column = *arrivals[k].column;
+      if (column.height != arrivals[k].height && column.next != kNone)
+        __builtin_prefetch(&voxel(column.next), 1);
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      const Arrival& arrival = arrivals[k];
+      Voxel* const to = voxelAt(*arrival.block, *arrival.column, arrival.height);
       if (!to) continue;
       ++merged;
-      to->weight += arrival.weight;
-      const float share = arrival.weight / to->weight;
-      for (int k = 0; k < kMeans; ++k) {
-        const float mean = static_cast<float>(to->mean[k]) + 0.5F;
-        to->mean[k] =
-            static_cast<std::uint16_t>(static_cast<int>(mean + share * (arrival.value[k] - mean)));
-      }
+      to->add(arrival);
       if (to->stamp == stamp_) continue;
       to->stamp = stamp_;
       if (to->views < kMaxViews) ++to->views;
@@ -134,29 +210,28 @@ Tile VoxelTile::toTile() const {
   for (int j = 0; j < columns_; ++j) {
     for (int i = 0; i < columns_; ++i) {
       const Block* block =
-          blocks_[static_cast<std::size_t>(j / kBlockSide * blocks_along_ + i / kBlockSide)].get();
+          blocks_[static_cast<std::size_t>((j / kBlockSide) * blocks_along_ + i / kBlockSide)]
+              .get();
       if (!block) {
         i |= kBlockSide - 1;
         continue;
       }
-      column.clear();
-      for (std::uint32_t number =
-               (*block)[static_cast<std::size_t>(j % kBlockSide * kBlockSide + i % kBlockSide)];
-           number != kNone; number = column.back()->next)
-        column.push_back(&voxel(number));
+      const Voxel& heaviest = block->columns[columnOf(i, j)];
+      if (heaviest.weight == 0) continue;
+      column = {&heaviest};
+      while (column.back()->next != kNone) column.push_back(&voxel(column.back()->next));
       if (column.size() > 1)
         std::sort(column.begin(), column.end(),
                   [](const Voxel* a, const Voxel* b) { return a->height < b->height; });
       for (const Voxel* v : column) {
-        const double cell[3] = {
-            static_cast<double>(i), static_cast<double>(j),
-            static_cast<double>(static_cast<std::int64_t>(v->height) - kZeroHeight)};
+        const double cell[3] = {static_cast<double>(i), static_cast<double>(j),
+                                static_cast<double>(v->height)};
         TilePoint point;
         for (int k = 0; k < 3; ++k) {
           const double side = k < 2 ? voxel_m_ : kHeightOverSide * voxel_m_;
-          point.position_m[k] =
-              static_cast<float>(side * (cell[k] + (v->mean[k] + 0.5) / kPositionSteps));
-          point.bgr[k] = static_cast<std::uint8_t>((v->mean[3 + k] + 128) / 257);
+          point.position_m[k] = static_cast<float>(
+              side * (cell[k] + (v->mean[3 + k] + 0.5) / static_cast<double>(kPositionSteps)));
+          point.bgr[k] = static_cast<std::uint8_t>((v->mean[k] + 128) / 257);
         }
         point.views = static_cast<std::uint16_t>(v->views);
         point.confidence = v->weight;

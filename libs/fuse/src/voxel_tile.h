@@ -18,9 +18,9 @@ namespace cf {
 /// that much less certain than the horizontal position (by depth over baseline), and cubes would
 /// hold the noise of each pair instead of the mean of all.
 ///
-/// Voxels are found by their vertical column, in which they are chained: a surface fills a column
-/// with one or two. Neighbouring pixels of a photo fall into neighbouring columns, so that columns
-/// come from the cache where a hash table would go to memory for each point.
+/// Each vertical column has a voxel in its place, the heaviest so far, and a chain of the others: a
+/// surface fills a column with one or two. Neighbouring pixels of a photo fall into neighbouring
+/// columns, so that voxels come from the cache, where a hash table would go to memory for each.
 ///
 /// A voxel takes 24 bytes. Means are kept in 16 bits each: to 1/65536 of the voxel's side and 1/257
 /// of a colour's step. Rounding after each point stays below a thousandth of the side.
@@ -49,41 +49,41 @@ class VoxelTile {
   std::size_t bytes() const;
 
  private:
-  static constexpr int kBlockSide = 16;
+  static constexpr int kBlockSide = 8;
   static constexpr std::uint32_t kSlabVoxels = 512;
+  static constexpr std::uint32_t kChunkVoxels = 16;  ///< of the chains of a block, side by side
   static constexpr std::uint32_t kNone = (1u << 24) - 1;
-  static constexpr std::uint32_t kZeroHeight = 1u << 19;
   static constexpr std::uint32_t kMaxViews = (1u << 12) - 1;
   static constexpr std::uint32_t kMaxStamp = (1u << 8) - 1;
-  static constexpr int kMeans = 6;
+  static constexpr std::int32_t kMaxHeight = (1 << 19) - 1;
 
+  struct Arrival;
+  struct Grid;
   struct Voxel {
     float weight = 0;
-    std::uint32_t next : 24;    ///< in the same column
-    std::uint32_t stamp : 8;    ///< of the view that saw it last
-    std::uint32_t height : 20;  ///< cell along z, plus kZeroHeight
+    std::uint32_t next : 24;  ///< in the same column
+    std::uint32_t stamp : 8;  ///< of the view that saw it last
     std::uint32_t views : 12;
-    std::uint16_t mean[kMeans] = {0, 0, 0, 0, 0, 0};  ///< x, y, z in the voxel, blue, green, red
-    Voxel() : next(kNone), stamp(0), height(0), views(0) {}
+    std::int32_t height : 20;                    ///< cell along z
+    std::uint16_t mean[6] = {0, 0, 0, 0, 0, 0};  ///< blue, green, red, x, y and z in the voxel
+    Voxel() : next(kNone), stamp(0), views(0), height(0) {}
+    void add(const Arrival& arrival);
   };
   static_assert(sizeof(Voxel) == 24, "a voxel takes 24 bytes");
 
-  /// First voxels of the columns of a square.
-  using Block = std::array<std::uint32_t, kBlockSide * kBlockSide>;
+  /// The columns of a square.
+  struct Block {
+    std::array<Voxel, kBlockSide * kBlockSide> columns;
+    std::uint32_t free = 0;  ///< number for a new voxel; 0 (mod kChunkVoxels) where there is none
+  };
   using Slab = std::array<Voxel, kSlabVoxels>;
 
-  /// Where a point goes, and with what.
-  struct Arrival {
-    std::uint32_t* first;  ///< of its column
-    std::uint32_t height;
-    float weight;
-    float value[kMeans];  ///< as Voxel::mean
-  };
-
-  bool locate(const Eigen::Vector3d& shift, const MapPoint& point, Arrival& arrival);
-  Voxel* voxelAt(const Arrival& arrival);
-  void merge(const Arrival& arrival);
+  Grid gridAround(const Eigen::Vector3d& origin_m) const;
+  bool locate(const Grid& grid, const MapPoint& point, Arrival& arrival);
+  Voxel* voxelAt(Block& block, Voxel& column, std::int32_t height);
   void startView(std::uint32_t view);
+  std::unique_ptr<Block>& blockOf(int i, int j);
+  static std::size_t columnOf(int i, int j);
   Voxel& voxel(std::uint32_t number) {
     return (*slabs_[number / kSlabVoxels])[number % kSlabVoxels];
   }
@@ -99,6 +99,7 @@ class VoxelTile {
   std::vector<std::unique_ptr<Block>> blocks_;  ///< null where there is nothing yet
   std::vector<std::unique_ptr<Slab>> slabs_;
   std::uint32_t size_ = 0;
+  std::uint32_t room_ = 0;   ///< chained voxels given to blocks
   std::uint32_t view_ = 0;   ///< in work
   std::uint32_t stamp_ = 0;  ///< that stands for it
   std::size_t filled_blocks_ = 0;

@@ -27,6 +27,7 @@ void get(std::ifstream& in, T& value) {
 void VoxelTile::save(const std::filesystem::path& path) const {
   std::ofstream out(path, std::ios::binary);
   put(out, size_);
+  put(out, room_);
   put(out, view_);
   put(out, stamp_);
   for (const auto& block : blocks_) {
@@ -41,6 +42,7 @@ void VoxelTile::save(const std::filesystem::path& path) const {
 void VoxelTile::load(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   get(in, size_);
+  get(in, room_);
   get(in, view_);
   get(in, stamp_);
   for (auto& block : blocks_) {
@@ -52,7 +54,7 @@ void VoxelTile::load(const std::filesystem::path& path) {
     get(in, *block);
     ++filled_blocks_;
   }
-  for (std::uint32_t begin = 0; in && begin < size_; begin += kSlabVoxels) {
+  for (std::uint32_t begin = 0; in && begin < room_; begin += kSlabVoxels) {
     slabs_.push_back(std::make_unique<Slab>());
     get(in, *slabs_.back());
   }
