@@ -6,6 +6,7 @@
 
 #include "cf/rawlog/rawlog_reader.h"
 #include "fuzz/fuzz_target.h"
+#include "support/mrpt_leak.h"
 #include "support/recordings.h"
 #include "support/temp_folder.h"
 
@@ -21,9 +22,6 @@ std::string unzipped(const std::filesystem::path& file) {
 }
 
 }  // namespace
-
-// MRPT 2.5.8 forgets a GNSS message that it finds damaged.
-extern "C" const char* __lsan_default_suppressions() { return "leak:gnss_message::Factory"; }
 
 std::vector<std::string> cf::fuzz::seeds() {
   const support::TempFolder folder;

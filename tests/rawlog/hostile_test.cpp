@@ -17,6 +17,7 @@
 
 #include "cf/base/error.h"
 #include "cf/rawlog/rawlog_reader.h"
+#include "support/mrpt_leak.h"
 #include "support/recordings.h"
 #include "support/temp_folder.h"
 
