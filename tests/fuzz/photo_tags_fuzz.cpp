@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "cf/formats/image_header.h"
 #include "cf/import/exif.h"
 #include "cf/import/timing.h"
 #include "fuzz/fuzz_target.h"
@@ -50,6 +51,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static cf::fuzz::InputFile file("photo.jpg");
   const cf::PhotoTags tags = cf::readPhotoTags(file.put(data, size));
   using cf::fuzz::require;
+  const auto told = cf::imageSizeOf(data, size);
+  require(!told || (told->width > 0 && told->height > 0), "a size above zero");
   if (!tags.readable) return 0;
   require(tags.width > 0 && tags.height > 0, "a readable photo has a size");
   require(tags.orientation >= 1 && tags.orientation <= 8, "an orientation");
