@@ -1,14 +1,27 @@
 // SPDX-FileCopyrightText: 2026 ClusterFusion authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Readers of what a run has written: TUM, CSV, PLY. The first byte chooses.
+// Readers of what a run has written: TUM, CSV, covariances, PLY. The first byte chooses.
 #include "cf/formats/csv.h"
 #include "cf/formats/ply.h"
+#include "cf/formats/pose_covariance_csv.h"
 #include "cf/formats/tum.h"
 #include "fuzz/fuzz_target.h"
+#include "support/temp_folder.h"
+
+namespace {
+
+std::string covariances() {
+  const cf::support::TempFolder folder;
+  cf::writePoseCovariances(folder / "a.csv", {{"DJI_0001.JPG", cf::kNsPerSecond, 0, {}}});
+  return cf::support::fileText(folder / "a.csv");
+}
+
+}  // namespace
 
 std::vector<std::string> cf::fuzz::seeds() {
   const std::string xyz(12, '\x41');
   return {
+      "v" + covariances(),
       "t# t tx ty tz qx qy qz qw\n1466699519.000000000 1.5 -2 3 0 0 0 1\n1466699520 0 0 0 .5 .5 .5 "
       ".5\n",
       "cimage,t,status\nDJI_0001.JPG,1466699519.0,posed\n\"a \"\"b\"\", c\",2,\"un\nposed\"\r\n",
@@ -29,13 +42,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static cf::fuzz::InputFile file("table");
   const auto& path = file.put(data + 1, size - 1);
   cf::fuzz::expectOneLineAtMost(path, [&] {
-    switch (data[0] % 3) {
-      case 't' % 3:
+    switch (data[0]) {
+      case 't':
         for (const cf::TimedPose& pose : cf::readTum(path))
           cf::fuzz::require(pose.T_world_cam.matrix().allFinite(), "finite poses");
         break;
-      case 'c' % 3:
+      case 'c':
         cf::CsvTable(path).rows();
+        break;
+      case 'v':
+        cf::readPoseCovariances(path);
         break;
       default:
         cf::readPly(path);

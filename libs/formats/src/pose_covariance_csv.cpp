@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "cf/base/error.h"
 #include "cf/base/text.h"
 #include "cf/formats/csv.h"
@@ -56,11 +58,24 @@ std::vector<PoseCovarianceRow> readPoseCovariances(const std::filesystem::path& 
     if (!value) throw RunError(file.string() + ": '" + text + "' should be a number");
     return *value;
   };
+  const auto component = [&](const CsvRow& row) {
+    const double value = number(row, "component");
+    if (!(value >= 0 && value <= std::numeric_limits<int>::max()))
+      throw RunError(file.string() + ": component " + row[table.column("component")] +
+                     " should be a count");
+    return static_cast<int>(value);
+  };
+  const auto time = [&](const std::string& text) {
+    try {
+      return timeFromText(text);
+    } catch (const RunError& e) {
+      throw RunError(file.string() + ": " + e.what());
+    }
+  };
   const std::size_t image = table.column("image"), t = table.column("t");
   std::vector<PoseCovarianceRow> rows;
   for (const CsvRow& row : table.rows()) {
-    PoseCovarianceRow out{
-        row[image], timeFromText(row[t]), static_cast<int>(number(row, "component")), {}};
+    PoseCovarianceRow out{row[image], time(row[t]), component(row), {}};
     for (const auto& [prefix, matrix] : kMatrices)
       forEachEntry([&, p = prefix, member = matrix](int i, int j) {
         Matrix6d& m = out.covariance.*member;
