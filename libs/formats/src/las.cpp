@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -18,8 +19,9 @@ constexpr std::uint16_t kPointBytes = 36;
 constexpr std::uint8_t kPointFormat = 7;
 constexpr std::uint16_t kWktEncoding = 1 << 4;  ///< global encoding: the CRS is WKT
 constexpr std::uint16_t kWktRecord = 2112;
-constexpr std::uint8_t kOnlyReturn = 1 | 1 << 4;  ///< return 1 of 1
-constexpr std::uint16_t kTo16Bits = 257;          ///< 255 becomes 65535
+constexpr char kOnlyReturn = 1 | 1 << 4;  ///< return 1 of 1
+constexpr std::uint16_t kTo16Bits = 257;  ///< 255 becomes 65535
+constexpr std::size_t kBufferBytes = 1 << 16;
 
 /// Appends in the file's order of bytes, little endian, which is ours.
 template <class T>
@@ -63,32 +65,39 @@ LasWriter::LasWriter(const std::filesystem::path& path, const Eigen::Vector3d& o
 }
 
 void LasWriter::add(const LasPoint& point) {
-  const Eigen::Array3d stored = ((point.position_m - offset_m_).array() / kScale_m).round();
-  if (!(stored.abs() <= std::numeric_limits<std::int32_t>::max()).all())
-    throw RunError(fmt::format("{}: cannot be written: a point at {}, {}, {} is too far away",
-                               file_.path().string(), point.position_m.x(), point.position_m.y(),
-                               point.position_m.z()));
-  const Eigen::Array<std::int32_t, 3, 1> xyz = stored.cast<std::int32_t>();
-  low_ = low_.min(xyz);
-  high_ = high_.max(xyz);
-  std::string record;
-  record.reserve(kPointBytes);
-  for (int axis = 0; axis < 3; ++axis) put(record, xyz[axis]);
-  put(record, std::uint16_t{0});  // intensity
-  put(record, kOnlyReturn);
-  put(record, std::uint8_t{0});  // flags, scanner channel, scan direction, edge of flight line
-  put(record, std::uint8_t{0});  // classification: created, never classified
-  put(record, point.user_data);
-  put(record, std::int16_t{0});   // scan angle
-  put(record, std::uint16_t{0});  // point source
-  put(record, 0.0);               // GPS time
-  for (const std::uint8_t channel : point.rgb)
-    put(record, static_cast<std::uint16_t>(channel * kTo16Bits));
-  file_.write(record);
+  std::int32_t xyz[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double stored = (point.position_m[axis] - offset_m_[axis]) / kScale_m;
+    if (!(std::abs(stored) < std::numeric_limits<std::int32_t>::max()))
+      throw RunError(fmt::format("{}: cannot be written: a point at {}, {}, {} is too far away",
+                                 file_.path().string(), point.position_m.x(), point.position_m.y(),
+                                 point.position_m.z()));
+    xyz[axis] = static_cast<std::int32_t>(stored + (stored < 0 ? -0.5 : 0.5));  // rounds
+    low_[axis] = std::min(low_[axis], xyz[axis]);
+    high_[axis] = std::max(high_[axis], xyz[axis]);
+  }
+  // Zero: intensity, flags and channel, classification (created, never classified), scan angle,
+  // point source and GPS time.
+  char record[kPointBytes] = {};
+  std::memcpy(record, xyz, sizeof(xyz));
+  record[14] = kOnlyReturn;
+  record[17] = static_cast<char>(point.user_data);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto channel = static_cast<std::uint16_t>(point.rgb[c] * kTo16Bits);
+    std::memcpy(record + 30 + 2 * c, &channel, sizeof(channel));
+  }
+  buffer_.append(record, kPointBytes);
+  if (buffer_.size() >= kBufferBytes) writeBuffer();
   ++count_;
 }
 
+void LasWriter::writeBuffer() {
+  file_.write(buffer_);
+  buffer_.clear();
+}
+
 void LasWriter::close() {
+  writeBuffer();
   file_.overwrite(0, header());
   file_.commit();
 }

@@ -14,6 +14,7 @@
 namespace cf {
 namespace {
 
+constexpr std::size_t kBufferBytes = 1 << 16;
 constexpr char kHeaderStart[] = "ply\nformat binary_little_endian 1.0\nelement vertex ";
 constexpr char kHeaderEnd[] =
     "property float x\nproperty float y\nproperty float z\n"
@@ -49,11 +50,18 @@ void PlyWriter::add(const Eigen::Vector3f& position_m, const std::array<std::uin
   char record[15];
   std::memcpy(record, position_m.data(), 12);
   std::memcpy(record + 12, rgb.data(), 3);
-  file_.write(record, sizeof(record));
+  buffer_.append(record, sizeof(record));
+  if (buffer_.size() >= kBufferBytes) writeBuffer();
   ++count_;
 }
 
+void PlyWriter::writeBuffer() {
+  file_.write(buffer_);
+  buffer_.clear();
+}
+
 void PlyWriter::close() {
+  writeBuffer();
   file_.overwrite(count_offset_, countText(count_));
   file_.commit();
 }

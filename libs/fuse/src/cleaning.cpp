@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cf/fuse/cleaning.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -46,43 +47,39 @@ class DisjointSets {
 };
 
 struct Cell {
+  std::int32_t z = 0;
   std::uint32_t voxels = 0;
   std::uint32_t support = 0;
   std::uint32_t views = 0;  ///< sum
   std::uint16_t best_views = 0;
 };
 
-/// Cells of a few voxels' side over a tile and its surroundings, relative to the tile's offset.
+/// Cells of a few voxels' side over a tile and its surroundings, relative to the tile's offset, by
+/// vertical column: a column's cells follow one another upwards.
 class SupportGrid {
  public:
-  SupportGrid(const Tile& tile, double voxel_m) : offset_m_(tile.offset_m) {
+  SupportGrid(const Tile& tile, const std::vector<const Tile*>& neighbours, double voxel_m) {
+    Eigen::AlignedBox3f box;
+    for (const TilePoint& point : tile.points) box.extend(point.position_m);
     for (int doubling = 0;; ++doubling) {
       cell_m_ = 2 * voxel_m * std::pow(2, doubling);
-      index_ = {};
-      cells_.clear();
-      cell_of_point_.clear();
-      for (const TilePoint& point : tile.points)
-        cell_of_point_.push_back(add(point, point.position_m.cast<double>()));
+      const Eigen::AlignedBox3d reach(box.min().cast<double>().array() - kMarginCells * cell_m_,
+                                      box.max().cast<double>().array() + kMarginCells * cell_m_);
+      west_ = floorToInt(reach.min().x() / cell_m_);
+      south_ = floorToInt(reach.min().y() / cell_m_);
+      width_ = static_cast<std::size_t>(floorToInt(reach.max().x() / cell_m_) - west_ + 1);
+      height_ = static_cast<std::size_t>(floorToInt(reach.max().y() / cell_m_) - south_ + 1);
+      items_.clear();
+      items_.reserve(tile.points.size());
+      addTile(tile, Eigen::Vector3d::Zero(), reach);
+      fill(tile.points.size());
       const double density =
-          static_cast<double>(tile.points.size()) / static_cast<double>(index_.size());
-      if (density >= kVoxelsPerCell || doubling == kMaxDoublings) break;
-    }
-  }
-
-  void addSurroundings(const Tile& tile, const std::vector<const Tile*>& neighbours) {
-    Eigen::Array3d low = Eigen::Array3d::Constant(1e30), high = -low;
-    for (const TilePoint& point : tile.points) {
-      low = low.min(point.position_m.cast<double>().array());
-      high = high.max(point.position_m.cast<double>().array());
-    }
-    low -= kMarginCells * cell_m_;
-    high += kMarginCells * cell_m_;
-    for (const Tile* neighbour : neighbours) {
-      const Eigen::Vector3d shift = neighbour->offset_m - offset_m_;
-      for (const TilePoint& point : neighbour->points) {
-        const Eigen::Vector3d p = point.position_m.cast<double>() + shift;
-        if ((p.array() >= low).all() && (p.array() <= high).all()) add(point, p);
-      }
+          static_cast<double>(tile.points.size()) / static_cast<double>(cells_.size());
+      if (density < kVoxelsPerCell && doubling < kMaxDoublings) continue;
+      for (const Tile* neighbour : neighbours)
+        addTile(*neighbour, neighbour->offset_m - tile.offset_m, reach);
+      if (items_.size() > tile.points.size()) fill(tile.points.size());
+      return;
     }
   }
 
@@ -90,46 +87,116 @@ class SupportGrid {
   DisjointSets connect() {
     DisjointSets sets(cells_.size());
     for (Cell& cell : cells_) cell.support += cell.voxels;
-    for (std::uint32_t i = 0; i < cells_.size(); ++i) {
-      const std::uint64_t key = index_.keys()[i];
-      const std::int64_t x = CellKey::x(key), y = CellKey::y(key), z = CellKey::z(key);
-      for (int d = 14; d < 27; ++d) {  // the half of the 26 neighbours that comes after (0, 0, 0)
-        const std::uint32_t j =
-            index_.find(CellKey::pack(x + d % 3 - 1, y + d / 3 % 3 - 1, z + d / 9 - 1));
-        if (j == VoxelIndex::kNone) continue;
-        cells_[i].support += cells_[j].voxels;
-        cells_[j].support += cells_[i].voxels;
-        sets.unite(i, j);
+    const auto join = [&](std::uint32_t i, std::uint32_t j) {
+      cells_[i].support += cells_[j].voxels;
+      cells_[j].support += cells_[i].voxels;
+      sets.unite(i, j);
+    };
+    for (std::size_t y = 0; y < height_; ++y) {
+      for (std::size_t x = 0; x < width_; ++x) {
+        const std::size_t column = y * width_ + x;
+        const std::uint32_t begin = first_[column], end = first_[column + 1];
+        if (begin == end) continue;
+        for (std::uint32_t i = begin; i + 1 < end; ++i)
+          if (cells_[i + 1].z == cells_[i].z + 1) join(i, i + 1);
+        // The half of the neighbours that comes after.
+        if (x + 1 < width_) joinColumns(column, column + 1, join);
+        if (y + 1 == height_) continue;
+        if (x > 0) joinColumns(column, column + width_ - 1, join);
+        joinColumns(column, column + width_, join);
+        if (x + 1 < width_) joinColumns(column, column + width_ + 1, join);
       }
     }
     return sets;
   }
 
   const std::vector<Cell>& cells() const { return cells_; }
+  /// Of each point of the tile.
   const std::vector<std::uint32_t>& cellOfPoint() const { return cell_of_point_; }
-  /// Key of the vertical column that a cell is in.
-  std::uint64_t column(std::uint32_t cell) const {
-    const std::uint64_t key = index_.keys()[cell];
-    return CellKey::pack(CellKey::x(key), CellKey::y(key), 0);
-  }
+
+  std::size_t width() const { return width_; }
+  std::size_t columns() const { return width_ * height_; }
+  std::uint32_t columnOf(std::uint32_t cell) const { return column_of_cell_[cell]; }
 
  private:
-  std::uint32_t add(const TilePoint& point, const Eigen::Vector3d& relative_m) {
-    const std::uint32_t number = index_.findOrAdd(
-        CellKey::pack(floorToInt(relative_m.x() / cell_m_), floorToInt(relative_m.y() / cell_m_),
-                      floorToInt(relative_m.z() / cell_m_)));
-    if (number == cells_.size()) cells_.emplace_back();
-    Cell& cell = cells_[number];
-    ++cell.voxels;
-    cell.views += point.views;
-    cell.best_views = std::max(cell.best_views, point.views);
-    return number;
+  struct Item {
+    std::uint32_t column;
+    std::int32_t z;
+    std::uint32_t point;  ///< of the tile; beyond them for the neighbours'
+    std::uint16_t views;
+  };
+
+  void addTile(const Tile& tile, const Eigen::Vector3d& shift, const Eigen::AlignedBox3d& reach) {
+    const double inverse = 1 / cell_m_;
+    const Eigen::Vector3f low = (reach.min() - shift).cast<float>();
+    const Eigen::Vector3f high = (reach.max() - shift).cast<float>();
+    for (const TilePoint& point : tile.points) {
+      const Eigen::Vector3f& q = point.position_m;
+      if (q.x() < low.x() || q.x() > high.x() || q.y() < low.y() || q.y() > high.y() ||
+          q.z() < low.z() || q.z() > high.z())
+        continue;
+      const Eigen::Vector3d p = q.cast<double>() + shift;
+      const auto x = static_cast<std::size_t>(floorToInt(inverse * p.x()) - west_);
+      const auto y = static_cast<std::size_t>(floorToInt(inverse * p.y()) - south_);
+      if (x >= width_ || y >= height_) continue;  // by rounding, at the edge of the reach
+      items_.push_back({static_cast<std::uint32_t>(y * width_ + x),
+                        static_cast<std::int32_t>(floorToInt(inverse * p.z())),
+                        static_cast<std::uint32_t>(items_.size()), point.views});
+    }
   }
 
-  Eigen::Vector3d offset_m_;
+  /// Makes cells of the items, of which the first `points` are the tile's.
+  void fill(std::size_t points) {
+    first_.assign(columns() + 1, 0);
+    for (const Item& item : items_) ++first_[item.column + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    sorted_.resize(items_.size());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (const Item& item : items_) sorted_[next[item.column]++] = item;
+
+    cells_.clear();
+    column_of_cell_.clear();
+    cell_of_point_.resize(points);
+    for (std::size_t column = 0; column < columns(); ++column) {
+      const auto begin = sorted_.begin() + first_[column];
+      const auto end = sorted_.begin() + next[column];
+      std::sort(begin, end, [](const Item& a, const Item& b) { return a.z < b.z; });
+      first_[column] = static_cast<std::uint32_t>(cells_.size());
+      for (auto item = begin; item != end; ++item) {
+        if (item == begin || cells_.back().z != item->z) {
+          cells_.emplace_back();
+          cells_.back().z = item->z;
+          column_of_cell_.push_back(static_cast<std::uint32_t>(column));
+        }
+        Cell& cell = cells_.back();
+        ++cell.voxels;
+        cell.views += item->views;
+        cell.best_views = std::max(cell.best_views, item->views);
+        if (item->point < points)
+          cell_of_point_[item->point] = static_cast<std::uint32_t>(cells_.size() - 1);
+      }
+    }
+    first_.back() = static_cast<std::uint32_t>(cells_.size());
+  }
+
+  /// Calls join for the cells of two columns that touch.
+  template <class Join>
+  void joinColumns(std::size_t a, std::size_t b, const Join& join) const {
+    std::uint32_t low = first_[b];
+    const std::uint32_t end = first_[b + 1];
+    for (std::uint32_t i = first_[a]; i < first_[a + 1] && low < end; ++i) {
+      while (low < end && cells_[low].z < cells_[i].z - 1) ++low;
+      for (std::uint32_t j = low; j < end && cells_[j].z <= cells_[i].z + 1; ++j) join(i, j);
+    }
+  }
+
   double cell_m_ = 0;
-  VoxelIndex index_;
+  std::int64_t west_ = 0, south_ = 0;
+  std::size_t width_ = 0, height_ = 0;  ///< [columns]
+  std::vector<Item> items_, sorted_;
+  std::vector<std::uint32_t> first_;  ///< cell of each column, and the end
   std::vector<Cell> cells_;
+  std::vector<std::uint32_t> column_of_cell_;
   std::vector<std::uint32_t> cell_of_point_;
 };
 
@@ -150,20 +217,17 @@ std::vector<Component> judgeComponents(const SupportGrid& grid, DisjointSets& se
     component.views += cells[i].views;
   }
 
-  VoxelIndex columns;
-  std::vector<std::uint16_t> best_views;  // of wide surfaces, by column
+  std::vector<std::uint16_t> best_views(grid.columns());  // of wide surfaces
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
     if (components[sets.root(i)].voxels < kIslandVoxels) continue;
-    const std::uint32_t column = columns.findOrAdd(grid.column(i));
-    if (column == best_views.size()) best_views.push_back(0);
-    best_views[column] = std::max(best_views[column], cells[i].best_views);
+    std::uint16_t& best = best_views[grid.columnOf(i)];
+    best = std::max(best, cells[i].best_views);
   }
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
     Component& component = components[sets.root(i)];
     if (component.voxels >= kIslandVoxels) continue;
-    const std::uint32_t column = columns.find(grid.column(i));
-    if (column != VoxelIndex::kNone && best_views[column] * component.voxels >= 2 * component.views)
-      ++component.shadowed_cells;
+    const std::uint16_t best = best_views[grid.columnOf(i)];
+    if (best > 0 && best * component.voxels >= 2 * component.views) ++component.shadowed_cells;
   }
   for (Component& component : components)
     component.flying = component.voxels < kIsletVoxels ||
@@ -173,31 +237,23 @@ std::vector<Component> judgeComponents(const SupportGrid& grid, DisjointSets& se
   return components;
 }
 
-/// Most views of any voxel in the 3 x 3 columns around each cell.
-class ColumnViews {
- public:
-  explicit ColumnViews(const SupportGrid& grid) {
-    for (std::uint32_t i = 0; i < grid.cells().size(); ++i) {
-      const std::uint32_t column = columns_.findOrAdd(grid.column(i));
-      if (column == best_.size()) best_.push_back(0);
-      best_[column] = std::max(best_[column], grid.cells()[i].best_views);
-    }
-    around_.resize(best_.size());
-    for (std::uint32_t column = 0; column < best_.size(); ++column) {
-      const std::uint64_t key = columns_.keys()[column];
-      for (int d = 0; d < 9; ++d) {
-        const std::uint32_t beside = columns_.find(
-            CellKey::pack(CellKey::x(key) + d % 3 - 1, CellKey::y(key) + d / 3 - 1, 0));
-        if (beside != VoxelIndex::kNone) around_[column] = std::max(around_[column], best_[beside]);
-      }
-    }
+/// Most views of any voxel in the 3 x 3 columns around each.
+std::vector<std::uint16_t> viewsAround(const SupportGrid& grid) {
+  const std::size_t width = grid.width();
+  std::vector<std::uint16_t> best(grid.columns()), around(grid.columns());
+  for (std::uint32_t i = 0; i < grid.cells().size(); ++i) {
+    std::uint16_t& views = best[grid.columnOf(i)];
+    views = std::max(views, grid.cells()[i].best_views);
   }
-  int around(std::uint64_t column) const { return around_[columns_.find(column)]; }
-
- private:
-  VoxelIndex columns_;
-  std::vector<std::uint16_t> best_, around_;
-};
+  for (std::size_t column = 0; column < best.size(); ++column) {
+    if (best[column] == 0) continue;
+    const std::size_t x = column % width, y = column / width;
+    for (std::size_t v = y > 0 ? y - 1 : 0; v <= y + 1 && v * width < best.size(); ++v)
+      for (std::size_t u = x > 0 ? x - 1 : 0; u <= x + 1 && u < width; ++u)
+        around[v * width + u] = std::max(around[v * width + u], best[column]);
+  }
+  return around;
+}
 
 double medianSupport(const SupportGrid& grid) {
   std::vector<std::uint32_t> support;
@@ -217,19 +273,18 @@ Tile cleaned(const Tile& tile, const std::vector<const Tile*>& neighbours, doubl
   result.offset_m = tile.offset_m;
   if (tile.points.empty()) return result;
 
-  SupportGrid grid(tile, voxel_m);
-  grid.addSurroundings(tile, neighbours);
+  SupportGrid grid(tile, neighbours, voxel_m);
   DisjointSets sets = grid.connect();
   const std::vector<Component> components = judgeComponents(grid, sets);
   const double least_support = kAloneShare * medianSupport(grid);
 
-  const ColumnViews views(grid);
+  const std::vector<std::uint16_t> views = viewsAround(grid);
   result.points.reserve(tile.points.size());
   for (std::size_t i = 0; i < tile.points.size(); ++i) {
     const std::uint32_t cell = grid.cellOfPoint()[i];
     const bool flying = grid.cells()[cell].support < least_support ||
                         components[sets.root(cell)].flying ||
-                        kDoubtfulShare * tile.points[i].views <= views.around(grid.column(cell));
+                        kDoubtfulShare * tile.points[i].views <= views[grid.columnOf(cell)];
     if (!flying || tile.points[i].views >= trusted_views) result.points.push_back(tile.points[i]);
   }
   return result;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dense_mapping.h"
 
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
 
 #if defined(__GLIBC__)
@@ -246,14 +247,18 @@ class DenseMapper {
     std::optional<LasCloud> las;
     if (options_.deliver.las) las.emplace(outdir_ / "cloud" / "cloud.las", grid_);
     const Delivery delivery = deliverCloud(map, fuse, [&](const Tile& tile) {
-      for (const TilePoint& p : tile.points) {
-        const Eigen::Vector3d world = tile.offset_m + p.position_m.cast<double>();
-        ply.add(world.cast<float>(), {p.bgr[2], p.bgr[1], p.bgr[0]});
-      }
-      if (las) las->add(tile);
-      rasters_->add(tile);
-      octomap.addSurface(tile);
-      tiles.save(tile);
+      tbb::parallel_invoke(
+          [&] {
+            for (const TilePoint& p : tile.points) {
+              const Eigen::Vector3d world = tile.offset_m + p.position_m.cast<double>();
+              ply.add(world.cast<float>(), {p.bgr[2], p.bgr[1], p.bgr[0]});
+            }
+          },
+          [&] {
+            if (las) las->add(tile);
+          },
+          [&] { rasters_->add(tile); }, [&] { octomap.addSurface(tile); },
+          [&] { tiles.save(tile); });
     });
     tiles.flush();
     ply.close();

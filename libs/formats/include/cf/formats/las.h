@@ -23,8 +23,8 @@ struct LasPoint {
 /// its pulse, never classified (class 0), GPS time 0 because no single time belongs to a fused
 /// point. The day of creation is left 0, so that the same run gives the same bytes.
 ///
-/// Only the header's figures are in memory; the file appears under its name at close(), which must
-/// be called. Throws RunError naming the file.
+/// Only the header's figures and a few points are in memory; the file appears under its name at
+/// close(), which must be called. Throws RunError naming the file.
 class LasWriter {
  public:
   static constexpr double kScale_m = 0.001;
@@ -39,6 +39,7 @@ class LasWriter {
 
  private:
   std::string header() const;
+  void writeBuffer();
 
   AtomicFile file_;
   Eigen::Vector3d offset_m_;
@@ -46,6 +47,7 @@ class LasWriter {
   std::uint32_t record_count_ = 0;
   Eigen::Array<std::int32_t, 3, 1> low_, high_;  ///< stored coordinates
   std::uint64_t count_ = 0;
+  std::string buffer_;  ///< points on their way
 };
 
 }  // namespace cf

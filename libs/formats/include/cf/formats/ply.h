@@ -29,9 +29,12 @@ class PlyWriter {
   std::uint64_t count() const { return count_; }
 
  private:
+  void writeBuffer();
+
   AtomicFile file_;
   std::uint64_t count_ = 0;
   std::uint64_t count_offset_ = 0;
+  std::string buffer_;  ///< points on their way
 };
 
 /// Reads the vertices of a PLY file one by one: ASCII or binary little endian, properties in any
