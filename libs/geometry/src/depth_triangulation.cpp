@@ -85,86 +85,94 @@ class RowRays {
     Eigen::Vector3d here = field_.onRow(0, v);
     for (std::size_t i = 0; i + 1 < nodes_.size(); ++i) {
       const Eigen::Vector3d next = field_.onRow(static_cast<int>(i) + 1, v);
-      nodes_[i] = {here.cast<float>(), (next - here).cast<float>()};
+      nodes_[i].ray << here.cast<float>(), 0;
+      nodes_[i].step << (next - here).cast<float>(), 0;
       here = next;
     }
   }
 
-  Eigen::Vector3f operator()(float u) const {
+  /// x, y, z and a zero.
+  Eigen::Vector4f operator()(float u) const {
     const float x = std::clamp(u * static_cast<float>(1 / kStep), 0.F,
                                static_cast<float>(nodes_.size()) - 1.001F);
-    const auto i = static_cast<std::size_t>(static_cast<int>(x));
-    const Node& node = nodes_[i];
-    return node.ray + (x - static_cast<float>(static_cast<int>(i))) * node.step;
+    const int i = static_cast<int>(x);
+    const Node& node = nodes_[static_cast<std::size_t>(i)];
+    return node.ray + (x - static_cast<float>(i)) * node.step;
   }
 
  private:
   struct Node {
-    Eigen::Vector3f ray, step;  ///< and the difference to the next node's
+    Eigen::Vector4f ray, step;  ///< and the difference to the next node's
   };
   const RayField& field_;
   std::vector<Node> nodes_;
 };
 
 /// Matches of one row, each a pair of rays a from the origin and b from the end of the baseline.
-/// Held by component, so that the compiler works on several at once.
 class RowMatches {
  public:
-  explicit RowMatches(std::size_t most) : columns_(most) {
-    for (auto& values : values_) values.resize(most);
-  }
+  explicit RowMatches(int most)
+      : columns_(static_cast<std::size_t>(most)),
+        a_(padded(most), Eigen::Vector4f::Zero()),
+        b_(a_) {}
   void clear() { size_ = 0; }
-  void add(int column, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  void add(int column, const Eigen::Vector4f& a, const Eigen::Vector4f& b) {
     columns_[size_] = column;
-    for (int k = 0; k < 3; ++k) {
-      values_[kA + k][size_] = a[k];
-      values_[kB + k][size_] = b[k];
-    }
+    a_[size_] = a;
+    b_[size_] = b;
     ++size_;
   }
 
   /// With n = a x b, the segment between the rays is shortest at ((t x b).n / n.n) a and
-  /// t + ((t x a).n / n.n) b, t being the baseline.
-  void intersect(const Eigen::Vector3f& baseline) {
-    const float tx = baseline.x(), ty = baseline.y(), tz = baseline.z();
-    float* const a[3] = {values_[kA].data(), values_[kA + 1].data(), values_[kA + 2].data()};
-    float* const b[3] = {values_[kB].data(), values_[kB + 1].data(), values_[kB + 2].data()};
-    float* const inverse_variance = values_[kInverseVariance].data();
-    for (std::size_t i = 0; i < size_; ++i) {
-      const float ax = a[0][i], ay = a[1][i], az = a[2][i];
-      const float bx = b[0][i], by = b[1][i], bz = b[2][i];
-      const float nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
-      const float nn = nx * nx + ny * ny + nz * nz;
-      const float aa = ax * ax + ay * ay + az * az, bb = bx * bx + by * by + bz * bz;
-      const float along_a =
-          ((ty * bz - tz * by) * nx + (tz * bx - tx * bz) * ny + (tx * by - ty * bx) * nz) / nn;
-      const float along_b =
-          ((ty * az - tz * ay) * nx + (tz * ax - tx * az) * ny + (tx * ay - ty * ax) * nz) / nn;
-      a[0][i] = 0.5F * (along_a * ax + tx + along_b * bx);
-      a[1][i] = 0.5F * (along_a * ay + ty + along_b * by);
-      a[2][i] = 0.5F * (along_a * az + tz + along_b * bz);
-      const float along2 = along_a * along_a;
-      // Not above zero where they do not meet.
-      const float parallel = nn - kMinSine2 * aa * bb;
-      inverse_variance[i] =
-          std::min(std::min(along_a, along_b), parallel) > 0 ? 1 / (along2 * along2 * aa) : 0;
+  /// t + ((t x a).n / n.n) b, t being the baseline. Four at once: a lane each.
+  void intersect(const Eigen::Vector3f& t) {
+    using Lanes = Eigen::Array4f;
+    using Rays = std::array<Lanes, 3>;
+    const auto cross = [](const auto& p, const Rays& q) {
+      return Rays{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+    };
+    const auto dot = [](const Rays& p, const Rays& q) -> Lanes {
+      return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    };
+    const auto lanes = [](const Eigen::Vector4f* rays) {
+      Eigen::Matrix4f matrix = Eigen::Map<const Eigen::Matrix4f>(rays->data());
+      matrix.transposeInPlace();
+      return Rays{matrix.col(0), matrix.col(1), matrix.col(2)};
+    };
+    for (std::size_t i = 0; i < size_; i += 4) {
+      const Rays a = lanes(&a_[i]), b = lanes(&b_[i]);
+      const Rays n = cross(a, b);
+      const Lanes nn = dot(n, n), aa = dot(a, a);
+      const Lanes along_a = dot(cross(t, b), n) / nn;
+      const Lanes along_b = dot(cross(t, a), n) / nn;
+      const Lanes along2 = along_a * along_a;
+      Eigen::Matrix4f result;
+      for (int k = 0; k < 3; ++k)
+        result.col(k) = 0.5F * (along_a * a[static_cast<std::size_t>(k)] + t[k] +
+                                along_b * b[static_cast<std::size_t>(k)]);
+      result.col(3) = (along2 * along2 * aa).inverse();
+      result.transposeInPlace();
+      Eigen::Map<Eigen::Matrix4f>(a_[i].data()) = result;
+      const Lanes in_front = along_a.min(along_b);
+      const Lanes apart = nn - kMinSine2 * aa * dot(b, b);
+      b_[i] = in_front.min(apart);
     }
   }
 
   std::size_t size() const { return size_; }
   int column(std::size_t i) const { return columns_[i]; }
-  bool meets(std::size_t i) const { return values_[kInverseVariance][i] > 0; }
-  Eigen::Vector3f point(std::size_t i) const {
-    return {values_[kA][i], values_[kA + 1][i], values_[kA + 2][i]};
-  }
+  bool meets(std::size_t i) const { return b_[i - i % 4][static_cast<Eigen::Index>(i % 4)] > 0; }
+  Eigen::Vector3f point(std::size_t i) const { return a_[i].head<3>(); }
   /// [1/m^2] for a disparity of variance 1 by sigma_Z = Z^2.
-  float inverseVariance(std::size_t i) const { return values_[kInverseVariance][i]; }
+  float inverseVariance(std::size_t i) const { return a_[i][3]; }
 
  private:
-  enum { kA = 0, kB = 3, kInverseVariance = 6, kValues = 7 };
+  static std::size_t padded(int most) { return static_cast<std::size_t>(most) + 3; }
+
   std::size_t size_ = 0;
   std::vector<int> columns_;
-  std::array<std::vector<float>, kValues> values_;
+  std::vector<Eigen::Vector4f> a_;  ///< rays; after intersect() points and inverse variances
+  std::vector<Eigen::Vector4f> b_;  ///< rays; then, by fours, above zero where they meet
 };
 
 double disparityOf(const DepthFrame& frame, ushort stored) {
@@ -188,7 +196,8 @@ MapPoints triangulateDepth(const DepthFrame& frame, const PosedCamera& reference
   const int stride = std::max(1, options.stride);
   result.points.reserve(static_cast<std::size_t>(cv::countNonZero(frame.disparity)) /
                         (stride > 1 ? 1 + static_cast<std::size_t>(stride) : 1));
-  RowMatches row(static_cast<std::size_t>(frame.disparity.cols));
+  RowMatches row(frame.disparity.cols);
+  const auto to_partner = static_cast<float>(1 / 16.0 - frame.disparity_offset_px);
   for (int v = stride / 2; v < frame.disparity.rows; v += stride) {
     const auto* disparity = frame.disparity.ptr<ushort>(v);
     const auto* confidence = frame.confidence.ptr<uchar>(v);
@@ -198,8 +207,9 @@ MapPoints triangulateDepth(const DepthFrame& frame, const PosedCamera& reference
     row.clear();
     for (int u = stride / 2; u < frame.disparity.cols; u += stride) {
       if (disparity[u] == 0 || confidence[u] < options.min_confidence) continue;
-      row.add(u, reference_rays(static_cast<float>(u)),
-              partner_rays(static_cast<float>(u - disparityOf(frame, disparity[u]))));
+      row.add(
+          u, reference_rays(static_cast<float>(u)),
+          partner_rays(static_cast<float>(u) - static_cast<float>(disparity[u]) / 16 + to_partner));
     }
     row.intersect(baseline.cast<float>());
     for (std::size_t i = 0; i < row.size(); ++i) {
