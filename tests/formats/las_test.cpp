@@ -95,7 +95,7 @@ TEST(Las, AnIndependentReaderFindsTheSame) {
   const auto json = nlohmann::json::parse(read.output);
   EXPECT_EQ(json["count"], 3);
   EXPECT_EQ(json["wkt"], wkt);
-  EXPECT_EQ(json["classes"], nlohmann::json({0}));
+  EXPECT_EQ(json["classes"], nlohmann::json::array({0}));
   EXPECT_EQ(json["software"], "ClusterFusion");
   const double expected[3][3] = {{381291.001, 5200788.002, 540.003},
                                  {381191.5, 5200900.25, 531.125},
