@@ -121,23 +121,33 @@ bool VoxelTile::locate(const Grid& grid, const MapPoint& point, Arrival& arrival
   return true;
 }
 
-VoxelTile::Voxel* VoxelTile::voxelAt(Block& block, Voxel& column, std::int32_t height) {
+VoxelTile::Voxel* VoxelTile::voxelAt(const Arrival& arrival) {
+  Voxel& column = *arrival.column;
+  const std::int32_t height = arrival.height;
+  if (column.height == height && column.weight > 0) return &column;
   if (column.weight == 0) {
     column.height = height;
     ++size_;
     return &column;
   }
-  if (column.height == height) return &column;
-  for (std::uint32_t number = column.next; number != kNone;) {
+  Block& block = *arrival.block;
+  std::uint8_t& chained = block.chained[static_cast<std::size_t>(&column - block.columns.data())];
+  const auto bitOf = [](std::int32_t h) { return static_cast<std::uint8_t>(1 << (h & 7)); };
+  Voxel* above = &column;
+  for (std::uint32_t number = (chained & bitOf(height)) ? column.next : kNone; number != kNone;) {
     Voxel& found = voxel(number);
-    number = found.next;
-    if (found.height != height) continue;
-    if (found.weight <= column.weight) return &found;
-    const std::uint32_t first = column.next, next = found.next;
-    std::swap(found, column);
-    column.next = first;
-    found.next = next;
-    return &column;
+    if (found.height != height) {
+      number = found.next;
+      above = &found;
+      continue;
+    }
+    if (found.weight <= above->weight) return &found;
+    chained = static_cast<std::uint8_t>(chained | bitOf(above->height));
+    const std::uint32_t to_found = above->next, onward = found.next;
+    std::swap(found, *above);
+    above->next = to_found;
+    found.next = onward;
+    return above;
   }
   if (block.free % kChunkVoxels == 0) {
     if (room_ + kChunkVoxels > kNone) return nullptr;
@@ -145,6 +155,7 @@ VoxelTile::Voxel* VoxelTile::voxelAt(Block& block, Voxel& column, std::int32_t h
     block.free = room_;
     room_ += kChunkVoxels;
   }
+  chained = static_cast<std::uint8_t>(chained | bitOf(height));
   Voxel& added = voxel(block.free);
   added.height = height;
   added.next = column.next;
@@ -189,7 +200,7 @@ std::size_t VoxelTile::add(const Eigen::Vector3d& origin_m, const MapPoint* begi
     }
     for (std::size_t k = 0; k < n; ++k) {
       const Arrival& arrival = arrivals[k];
-      Voxel* const to = voxelAt(*arrival.block, *arrival.column, arrival.height);
+      Voxel* const to = voxelAt(arrival);
       if (!to) continue;
       ++merged;
       to->add(arrival);

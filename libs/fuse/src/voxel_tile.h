@@ -74,13 +74,15 @@ class VoxelTile {
   /// The columns of a square.
   struct Block {
     std::array<Voxel, kBlockSide * kBlockSide> columns;
+    /// For each column, bit h % 8 where its chain may have the height h: new ones need no search.
+    std::array<std::uint8_t, kBlockSide* kBlockSide> chained = {};
     std::uint32_t free = 0;  ///< number for a new voxel; 0 (mod kChunkVoxels) where there is none
   };
   using Slab = std::array<Voxel, kSlabVoxels>;
 
   Grid gridAround(const Eigen::Vector3d& origin_m) const;
   bool locate(const Grid& grid, const MapPoint& point, Arrival& arrival);
-  Voxel* voxelAt(Block& block, Voxel& column, std::int32_t height);
+  Voxel* voxelAt(const Arrival& arrival);
   void startView(std::uint32_t view);
   std::unique_ptr<Block>& blockOf(int i, int j);
   static std::size_t columnOf(int i, int j);
