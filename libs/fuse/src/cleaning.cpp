@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "voxel_index.h"
 
@@ -37,9 +38,15 @@ class DisjointSets {
     return i;
   }
   void unite(std::uint32_t a, std::uint32_t b) {
+    if (parent_[a] == parent_[b]) return;
     a = root(a);
     b = root(b);
     parent_[std::max(a, b)] = std::min(a, b);
+  }
+  /// The set of each, named by its least member.
+  std::vector<std::uint32_t> roots() {
+    for (std::uint32_t i = 0; i < parent_.size(); ++i) parent_[i] = root(i);
+    return std::move(parent_);
   }
 
  private:
@@ -52,6 +59,7 @@ struct Cell {
   std::uint32_t support = 0;
   std::uint32_t views = 0;  ///< sum
   std::uint16_t best_views = 0;
+  bool own = false;  ///< holds a point of the tile itself
 };
 
 /// Cells of a few voxels' side over a tile and its surroundings, relative to the tile's offset, by
@@ -72,19 +80,17 @@ class SupportGrid {
       items_.clear();
       items_.reserve(tile.points.size());
       addTile(tile, Eigen::Vector3d::Zero(), reach);
-      fill(tile.points.size());
-      const double density =
-          static_cast<double>(tile.points.size()) / static_cast<double>(cells_.size());
-      if (density < kVoxelsPerCell && doubling < kMaxDoublings) continue;
       for (const Tile* neighbour : neighbours)
         addTile(*neighbour, neighbour->offset_m - tile.offset_m, reach);
-      if (items_.size() > tile.points.size()) fill(tile.points.size());
-      return;
+      const std::size_t own_cells = fill(tile.points.size());
+      const double density =
+          static_cast<double>(tile.points.size()) / static_cast<double>(own_cells);
+      if (density >= kVoxelsPerCell || doubling == kMaxDoublings) return;
     }
   }
 
-  /// Sums support over neighbouring cells and joins them into components.
-  DisjointSets connect() {
+  /// Sums support over neighbouring cells and joins them into components: the first cell of each.
+  std::vector<std::uint32_t> connect() {
     DisjointSets sets(cells_.size());
     for (Cell& cell : cells_) cell.support += cell.voxels;
     const auto join = [&](std::uint32_t i, std::uint32_t j) {
@@ -107,7 +113,7 @@ class SupportGrid {
         if (x + 1 < width_) joinColumns(column, column + width_ + 1, join);
       }
     }
-    return sets;
+    return sets.roots();
   }
 
   const std::vector<Cell>& cells() const { return cells_; }
@@ -145,8 +151,9 @@ class SupportGrid {
     }
   }
 
-  /// Makes cells of the items, of which the first `points` are the tile's.
-  void fill(std::size_t points) {
+  /// Makes cells of the items, of which the first `points` are the tile's. Returns how many cells
+  /// these fall into.
+  std::size_t fill(std::size_t points) {
     first_.assign(columns() + 1, 0);
     for (const Item& item : items_) ++first_[item.column + 1];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
@@ -157,6 +164,7 @@ class SupportGrid {
     cells_.clear();
     column_of_cell_.clear();
     cell_of_point_.resize(points);
+    std::size_t own_cells = 0;
     for (std::size_t column = 0; column < columns(); ++column) {
       const auto begin = sorted_.begin() + first_[column];
       const auto end = sorted_.begin() + next[column];
@@ -172,11 +180,13 @@ class SupportGrid {
         ++cell.voxels;
         cell.views += item->views;
         cell.best_views = std::max(cell.best_views, item->views);
-        if (item->point < points)
-          cell_of_point_[item->point] = static_cast<std::uint32_t>(cells_.size() - 1);
+        if (item->point >= points) continue;
+        cell_of_point_[item->point] = static_cast<std::uint32_t>(cells_.size() - 1);
+        own_cells += !std::exchange(cell.own, true);
       }
     }
     first_.back() = static_cast<std::uint32_t>(cells_.size());
+    return own_cells;
   }
 
   /// Calls join for the cells of two columns that touch.
@@ -207,11 +217,12 @@ struct Component {
 };
 
 /// One per cell number; filled where the cell is its component's root.
-std::vector<Component> judgeComponents(const SupportGrid& grid, DisjointSets& sets) {
+std::vector<Component> judgeComponents(const SupportGrid& grid,
+                                       const std::vector<std::uint32_t>& roots) {
   const std::vector<Cell>& cells = grid.cells();
   std::vector<Component> components(cells.size());
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    Component& component = components[sets.root(i)];
+    Component& component = components[roots[i]];
     ++component.cells;
     component.voxels += cells[i].voxels;
     component.views += cells[i].views;
@@ -219,12 +230,12 @@ std::vector<Component> judgeComponents(const SupportGrid& grid, DisjointSets& se
 
   std::vector<std::uint16_t> best_views(grid.columns());  // of wide surfaces
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    if (components[sets.root(i)].voxels < kIslandVoxels) continue;
+    if (components[roots[i]].voxels < kIslandVoxels) continue;
     std::uint16_t& best = best_views[grid.columnOf(i)];
     best = std::max(best, cells[i].best_views);
   }
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    Component& component = components[sets.root(i)];
+    Component& component = components[roots[i]];
     if (component.voxels >= kIslandVoxels) continue;
     const std::uint16_t best = best_views[grid.columnOf(i)];
     if (best > 0 && best * component.voxels >= 2 * component.views) ++component.shadowed_cells;
@@ -256,12 +267,14 @@ std::vector<std::uint16_t> viewsAround(const SupportGrid& grid) {
 }
 
 double medianSupport(const SupportGrid& grid) {
-  std::vector<std::uint32_t> support;
-  support.reserve(grid.cellOfPoint().size());
-  for (const std::uint32_t cell : grid.cellOfPoint()) support.push_back(grid.cells()[cell].support);
-  const auto middle = support.begin() + static_cast<std::ptrdiff_t>(support.size() / 2);
-  std::nth_element(support.begin(), middle, support.end());
-  return *middle;
+  std::uint32_t most = 0;
+  for (const Cell& cell : grid.cells()) most = std::max(most, cell.support);
+  std::vector<std::size_t> count(most + 1);
+  for (const std::uint32_t cell : grid.cellOfPoint()) ++count[grid.cells()[cell].support];
+  std::size_t below = 0;
+  std::uint32_t support = 0;
+  while (below + count[support] <= grid.cellOfPoint().size() / 2) below += count[support++];
+  return support;
 }
 
 }  // namespace
@@ -274,8 +287,8 @@ Tile cleaned(const Tile& tile, const std::vector<const Tile*>& neighbours, doubl
   if (tile.points.empty()) return result;
 
   SupportGrid grid(tile, neighbours, voxel_m);
-  DisjointSets sets = grid.connect();
-  const std::vector<Component> components = judgeComponents(grid, sets);
+  const std::vector<std::uint32_t> roots = grid.connect();
+  const std::vector<Component> components = judgeComponents(grid, roots);
   const double least_support = kAloneShare * medianSupport(grid);
 
   const std::vector<std::uint16_t> views = viewsAround(grid);
@@ -283,7 +296,7 @@ Tile cleaned(const Tile& tile, const std::vector<const Tile*>& neighbours, doubl
   for (std::size_t i = 0; i < tile.points.size(); ++i) {
     const std::uint32_t cell = grid.cellOfPoint()[i];
     const bool flying = grid.cells()[cell].support < least_support ||
-                        components[sets.root(cell)].flying ||
+                        components[roots[cell]].flying ||
                         kDoubtfulShare * tile.points[i].views <= views[grid.columnOf(cell)];
     if (!flying || tile.points[i].views >= trusted_views) result.points.push_back(tile.points[i]);
   }

@@ -37,13 +37,15 @@ class TileCache {
     return &*entry.tile;
   }
 
-  void makeRoom() {
+  /// Drops what is in no neighbourhood any more, when the tiles from `next` on are left.
+  void makeRoom(TileIndex next) {
+    for (auto& [index, entry] : entries_)
+      if (entry.tile && TileIndex{index.x + 1, index.y + 1} < next) drop(entry);
     while (bytes_ > budget_bytes_) {
       Entry* oldest = nullptr;
       for (auto& [index, entry] : entries_)
         if (entry.tile && (!oldest || entry.used < oldest->used)) oldest = &entry;
-      bytes_ -= bytesOf(*oldest->tile);
-      oldest->tile.reset();
+      drop(*oldest);
     }
   }
 
@@ -53,6 +55,10 @@ class TileCache {
     std::uint64_t used = 0;
   };
   static std::size_t bytesOf(const Tile& tile) { return tile.points.size() * sizeof(TilePoint); }
+  void drop(Entry& entry) {
+    bytes_ -= bytesOf(*entry.tile);
+    entry.tile.reset();
+  }
 
   const TileMap& map_;
   std::size_t budget_bytes_;
@@ -103,7 +109,7 @@ Delivery deliverCloud(const TileMap& map, const FuseOptions& options,
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       clean[i] = finished(*raw[i], neighbours[i], options, parts[i]);
     });
-    cache.makeRoom();
+    if (begin + count < indices.size()) cache.makeRoom(indices[begin + count]);
     for (std::size_t i = 0; i < count; ++i) {
       delivery.flying += parts[i].flying;
       delivery.uncertain += parts[i].uncertain;
