@@ -300,6 +300,15 @@ TEST_F(HostileRawlog, NotesOfImpossibleValuesAreNotBelieved) {
   EXPECT_EQ(r.fixes[0].sigma_enu_m, Eigen::Vector3d(2, 2, 4));
 }
 
+TEST_F(HostileRawlog, DamageWithoutEndEndsTheReading) {
+  const std::string header = "\x9cmrpt::obs::CObservationImage\x04";
+  std::string damage;
+  for (int i = 0; i < 11'000; ++i) damage += header;
+  const UavRecording r = read(bytesOf({image(1, "a.jpg")}) + damage + bytesOf({image(2, "b.jpg")}));
+  EXPECT_EQ(r.photos.size(), 1u);
+  expectWarning(r, "uav.rawlog breaks off after 1 records: the rest is lost");
+}
+
 TEST_F(HostileRawlog, APipeIsNotWaitedFor) {
   ASSERT_EQ(mkfifo(path_.c_str(), 0600), 0);
   EXPECT_THROW(readRecording(path_), RunError);

@@ -18,6 +18,8 @@ namespace cf {
 namespace {
 
 constexpr std::size_t kMaxRecordBytes = 1 << 20;
+/// In a row: MRPT takes its time to fail, and nothing good follows so many.
+constexpr std::size_t kMostFailures = 10'000;
 constexpr std::size_t kChunkBytes = 4 * kMaxRecordBytes;
 constexpr std::string_view kNamespace = "mrpt::obs::", kObservation = "CObservation";
 
@@ -89,8 +91,10 @@ mrpt::serialization::CSerializable::Ptr RawlogRecords::parse() {
   try {
     const auto object = mrpt::serialization::archiveFrom(input).ReadObject();
     at_ += input.position();
+    failed_in_a_row_ = 0;
     return object;
   } catch (const std::exception&) {
+    ++failed_in_a_row_;
     if (input.holdsPixels())
       ++counts_.with_pixels;
     else if (input.ranOut() && at_end_)
@@ -104,6 +108,10 @@ mrpt::serialization::CSerializable::Ptr RawlogRecords::parse() {
 mrpt::serialization::CSerializable::Ptr RawlogRecords::next() {
   Header header;
   for (fill(); at_ < buffer_.size(); fill()) {
+    if (failed_in_a_row_ == kMostFailures) {
+      counts_.breaks_off = true;
+      break;
+    }
     if (!headerHere(header)) {
       ++at_;
       continue;

@@ -53,6 +53,7 @@ class RawlogRecords {
   std::size_t at_ = 0;      ///< in the buffer
   bool at_end_ = false;     ///< of the file: the buffer holds its rest
   bool cut_short_ = false;  ///< since the last whole record
+  std::size_t failed_in_a_row_ = 0;
   Counts counts_;
 };
 
