@@ -212,42 +212,43 @@ std::size_t VoxelTile::add(const Eigen::Vector3d& origin_m, const MapPoint* begi
   return merged;
 }
 
+TilePoint VoxelTile::pointOf(const Voxel& v, int i, int j) const {
+  const auto along = [](int cell, std::uint16_t mean, double side_m) {
+    return static_cast<float>(side_m * (cell + (mean + 0.5) * (1.0 / double{kPositionSteps})));
+  };
+  TilePoint point;
+  point.position_m = {along(i, v.mean[3], voxel_m_), along(j, v.mean[4], voxel_m_),
+                      along(v.height, v.mean[5], kHeightOverSide * voxel_m_)};
+  for (int c = 0; c < 3; ++c)
+    point.bgr[c] = static_cast<std::uint8_t>((v.mean[c] + 128) / static_cast<int>(kColourSteps));
+  point.views = static_cast<std::uint16_t>(v.views);
+  point.confidence = v.weight;
+  return point;
+}
+
 Tile VoxelTile::toTile() const {
   Tile tile;
   tile.index = index_;
   tile.offset_m = offset_m_;
   tile.points.reserve(size_);
   std::vector<const Voxel*> column;
-  for (int j = 0; j < columns_; ++j) {
-    for (int i = 0; i < columns_; ++i) {
-      const Block* block =
-          blocks_[static_cast<std::size_t>((j / kBlockSide) * blocks_along_ + i / kBlockSide)]
-              .get();
-      if (!block) {
-        i |= kBlockSide - 1;
+  for (int b = 0; b < blocks_along_ * blocks_along_; ++b) {
+    const Block* block = blocks_[static_cast<std::size_t>(b)].get();
+    if (!block) continue;
+    for (int c = 0; c < kBlockSide * kBlockSide; ++c) {
+      const Voxel& heaviest = block->columns[static_cast<std::size_t>(c)];
+      if (heaviest.weight == 0) continue;
+      const int i = b % blocks_along_ * kBlockSide + c % kBlockSide;
+      const int j = b / blocks_along_ * kBlockSide + c / kBlockSide;
+      if (heaviest.next == kNone) {
+        tile.points.push_back(pointOf(heaviest, i, j));
         continue;
       }
-      const Voxel& heaviest = block->columns[columnOf(i, j)];
-      if (heaviest.weight == 0) continue;
-      column = {&heaviest};
+      column.assign(1, &heaviest);
       while (column.back()->next != kNone) column.push_back(&voxel(column.back()->next));
-      if (column.size() > 1)
-        std::sort(column.begin(), column.end(),
-                  [](const Voxel* a, const Voxel* b) { return a->height < b->height; });
-      for (const Voxel* v : column) {
-        const double cell[3] = {static_cast<double>(i), static_cast<double>(j),
-                                static_cast<double>(v->height)};
-        TilePoint point;
-        for (int k = 0; k < 3; ++k) {
-          const double side = k < 2 ? voxel_m_ : kHeightOverSide * voxel_m_;
-          point.position_m[k] = static_cast<float>(
-              side * (cell[k] + (v->mean[3 + k] + 0.5) / static_cast<double>(kPositionSteps)));
-          point.bgr[k] = static_cast<std::uint8_t>((v->mean[k] + 128) / 257);
-        }
-        point.views = static_cast<std::uint16_t>(v->views);
-        point.confidence = v->weight;
-        tile.points.push_back(point);
-      }
+      std::sort(column.begin(), column.end(),
+                [](const Voxel* p, const Voxel* q) { return p->height < q->height; });
+      for (const Voxel* v : column) tile.points.push_back(pointOf(*v, i, j));
     }
   }
   return tile;

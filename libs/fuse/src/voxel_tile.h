@@ -37,7 +37,7 @@ class VoxelTile {
   /// those without positive weight and those too high or deep (half a million voxels) are not.
   std::size_t add(const Eigen::Vector3d& origin_m, const MapPoint* begin, const MapPoint* end,
                   std::uint32_t view);
-  /// One point a voxel, ordered by y, x and z of the voxels.
+  /// One point a voxel: by squares of columns, in them by y, x and z.
   Tile toTile() const;
 
   /// Everything, bit by bit, in a file that only the same run reads again. Both throw RunError.
@@ -85,6 +85,7 @@ class VoxelTile {
   Voxel* voxelAt(const Arrival& arrival);
   void startView(std::uint32_t view);
   std::unique_ptr<Block>& blockOf(int i, int j);
+  TilePoint pointOf(const Voxel& v, int i, int j) const;
   static std::size_t columnOf(int i, int j);
   Voxel& voxel(std::uint32_t number) {
     return (*slabs_[number / kSlabVoxels])[number % kSlabVoxels];
