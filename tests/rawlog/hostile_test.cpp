@@ -309,6 +309,21 @@ TEST_F(HostileRawlog, DamageWithoutEndEndsTheReading) {
   expectWarning(r, "uav.rawlog breaks off after 1 records: the rest is lost");
 }
 
+TEST_F(HostileRawlog, ALongRecordingIsReadPieceByPieceAndWhole) {
+  constexpr int kPhotos = 8000;  // 11 MB of records
+  recording(kPhotos);
+  const double before = peakMegabytes();
+  const UavRecording r = readRecording(path_);
+  EXPECT_TRUE(r.warnings.empty()) << r.warnings[0];
+  ASSERT_EQ(r.photos.size(), std::size_t{kPhotos});
+  ASSERT_EQ(r.fixes.size(), std::size_t{kPhotos});
+  for (int i = 0; i < kPhotos; i += 7) {
+    EXPECT_EQ(r.photos[static_cast<std::size_t>(i)].name, support::fullPhoto(path_, i).name);
+    EXPECT_EQ(r.fixes[static_cast<std::size_t>(i)].latitude_deg, support::fullFix(i).latitude_deg);
+  }
+  EXPECT_LT(peakMegabytes() - before, 150);
+}
+
 TEST_F(HostileRawlog, APipeIsNotWaitedFor) {
   ASSERT_EQ(mkfifo(path_.c_str(), 0600), 0);
   EXPECT_THROW(readRecording(path_), RunError);

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kMaxRecordBytes = 1 << 20;
 /// In a row: MRPT takes its time to fail, and nothing good follows so many.
 constexpr std::size_t kMostFailures = 10'000;
-constexpr std::size_t kChunkBytes = 4 * kMaxRecordBytes;
+constexpr std::size_t kWindowBytes = 4 * kMaxRecordBytes, kChunkBytes = 1 << 18;
 constexpr std::string_view kNamespace = "mrpt::obs::", kObservation = "CObservation";
 
 /// Classes that are read, and from which version on.
@@ -56,11 +56,13 @@ void RawlogRecords::fill() {
   if (at_end_ || buffer_.size() - at_ >= kMaxRecordBytes) return;
   buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(at_));
   at_ = 0;
-  const std::size_t kept = buffer_.size();
-  buffer_.resize(kept + kChunkBytes);
-  const std::size_t got = gzfread(buffer_.data() + kept, 1, kChunkBytes, file_.get());
-  buffer_.resize(kept + got);
-  at_end_ = got < kChunkBytes;
+  while (!at_end_ && buffer_.size() < kWindowBytes) {
+    const std::size_t kept = buffer_.size();
+    buffer_.resize(kept + kChunkBytes);
+    const std::size_t got = gzfread(buffer_.data() + kept, 1, kChunkBytes, file_.get());
+    buffer_.resize(kept + got);
+    at_end_ = got < kChunkBytes;
+  }
   int code = Z_OK;
   gzerror(file_.get(), &code);
   if (code != Z_OK) counts_.breaks_off = true;
