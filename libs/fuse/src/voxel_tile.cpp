@@ -31,8 +31,8 @@ VoxelTile::VoxelTile(TileIndex index, double tile_m, double voxel_m)
       offset_m_(index.x * tile_m, index.y * tile_m, 0),
       voxel_m_(voxel_m),
       columns_(std::max(1, static_cast<int>(std::ceil(tile_m / voxel_m)))),
-      blocks_along_((columns_ + kBlockSide - 1) / kBlockSide),
-      blocks_(static_cast<std::size_t>(blocks_along_) * static_cast<std::size_t>(blocks_along_)) {}
+      blocks_along_((static_cast<std::uint32_t>(columns_) + kBlockSide - 1) / kBlockSide),
+      blocks_(std::size_t{blocks_along_} * blocks_along_) {}
 
 /// Where a point goes, and with what.
 struct VoxelTile::Arrival {
@@ -50,29 +50,27 @@ struct VoxelTile::Grid {
   float farthest_m;     ///< along z
 };
 
-/// The running mean of all six at once: the last 16 bytes of a voxel are taken as eight numbers,
-/// of which the first two, views and height, get no share.
-void VoxelTile::Voxel::add(const Arrival& arrival) {
+/// The running mean of all six at once: the last 16 bytes of a voxel are taken as eight numbers, of
+/// which the first two, views and height, get no share. They are stored in one piece with the
+/// views: what is read in larger pieces than it was just written makes the processor wait.
+void VoxelTile::Voxel::add(const Arrival& arrival, std::uint32_t view_stamp) {
   static_assert(offsetof(Voxel, mean) + sizeof(mean) == 24);
   constexpr MoreFloats kShared = {0, 0, 1, 1, 1, 1, 1, 1};
   weight += arrival.weight;
   const MoreFloats shares = kShared * (arrival.weight / weight);
-  char* const bytes = reinterpret_cast<char*>(this) + 8;
+  char* const bytes = reinterpret_cast<char*>(this);
   Shorts means;
-  std::memcpy(&means, bytes, sizeof(means));
+  std::memcpy(&means, bytes + 8, sizeof(means));
   const MoreFloats before =
       __builtin_convertvector(__builtin_convertvector(means, MoreInts), MoreFloats) + 0.5F;
   const MoreFloats after = before + shares * (arrival.values - before);
   means = __builtin_convertvector(__builtin_convertvector(after, MoreInts), Shorts);
-  std::memcpy(bytes, &means, sizeof(means));
-}
-
-std::unique_ptr<VoxelTile::Block>& VoxelTile::blockOf(int i, int j) {
-  return blocks_[static_cast<std::size_t>((j / kBlockSide) * blocks_along_ + i / kBlockSide)];
-}
-
-std::size_t VoxelTile::columnOf(int i, int j) {
-  return static_cast<std::size_t>((j % kBlockSide) * kBlockSide + i % kBlockSide);
+  if (stamp != view_stamp) {
+    const std::uint32_t link = next | view_stamp << 24;
+    std::memcpy(bytes + 4, &link, sizeof(link));
+    if (views < kMaxViews) ++means[0];  // its low 12 bits
+  }
+  std::memcpy(bytes + 8, &means, sizeof(means));
 }
 
 VoxelTile::Grid VoxelTile::gridAround(const Eigen::Vector3d& origin_m) const {
@@ -94,7 +92,8 @@ VoxelTile::Grid VoxelTile::gridAround(const Eigen::Vector3d& origin_m) const {
   return grid;
 }
 
-bool VoxelTile::locate(const Grid& grid, const MapPoint& point, Arrival& arrival) {
+[[gnu::always_inline]] inline bool VoxelTile::locate(const Grid& grid, const MapPoint& point,
+                                                     Arrival& arrival) {
   if (!(std::abs(point.position_m.z()) < grid.farthest_m) || !(point.weight > 0) ||
       !(point.weight <= std::numeric_limits<float>::max()))
     return false;
@@ -111,17 +110,19 @@ bool VoxelTile::locate(const Grid& grid, const MapPoint& point, Arrival& arrival
       MoreFloats{0, 0, colour[0], colour[1], colour[2], inside[0], inside[1], inside[2]};
   arrival.height = cell[2] + grid.height;
   arrival.weight = point.weight;
-  std::unique_ptr<Block>& block = blockOf(cell[0], cell[1]);
+  const auto i = static_cast<std::uint32_t>(cell[0]), j = static_cast<std::uint32_t>(cell[1]);
+  std::unique_ptr<Block>& block = blocks_[j / kBlockSide * blocks_along_ + i / kBlockSide];
   if (!block) {
     block = std::make_unique<Block>();
     ++filled_blocks_;
   }
   arrival.block = block.get();
-  arrival.column = &block->columns[columnOf(cell[0], cell[1])];
+  arrival.column = &block->columns[j % kBlockSide * kBlockSide + i % kBlockSide];
   return true;
 }
 
-VoxelTile::Voxel* VoxelTile::voxelAt(const Arrival& arrival) {
+/// Null where the tile is full. A voxel that outweighs the one before it changes places with it.
+[[gnu::always_inline]] inline VoxelTile::Voxel* VoxelTile::voxelAt(const Arrival& arrival) {
   Voxel& column = *arrival.column;
   const std::int32_t height = arrival.height;
   if (column.height == height && column.weight > 0) return &column;
@@ -130,11 +131,8 @@ VoxelTile::Voxel* VoxelTile::voxelAt(const Arrival& arrival) {
     ++size_;
     return &column;
   }
-  Block& block = *arrival.block;
-  std::uint8_t& chained = block.chained[static_cast<std::size_t>(&column - block.columns.data())];
-  const auto bitOf = [](std::int32_t h) { return static_cast<std::uint8_t>(1 << (h & 7)); };
   Voxel* above = &column;
-  for (std::uint32_t number = (chained & bitOf(height)) ? column.next : kNone; number != kNone;) {
+  for (std::uint32_t number = column.next; number != kNone;) {
     Voxel& found = voxel(number);
     if (found.height != height) {
       number = found.next;
@@ -142,24 +140,23 @@ VoxelTile::Voxel* VoxelTile::voxelAt(const Arrival& arrival) {
       continue;
     }
     if (found.weight <= above->weight) return &found;
-    chained = static_cast<std::uint8_t>(chained | bitOf(above->height));
     const std::uint32_t to_found = above->next, onward = found.next;
     std::swap(found, *above);
     above->next = to_found;
     found.next = onward;
     return above;
   }
-  if (block.free % kChunkVoxels == 0) {
+  std::uint32_t& free = arrival.block->free;
+  if (free % kChunkVoxels == 0) {
     if (room_ + kChunkVoxels > kNone) return nullptr;
     if (room_ % kSlabVoxels == 0) slabs_.push_back(std::make_unique<Slab>());
-    block.free = room_;
+    free = room_;
     room_ += kChunkVoxels;
   }
-  chained = static_cast<std::uint8_t>(chained | bitOf(height));
-  Voxel& added = voxel(block.free);
+  Voxel& added = voxel(free);
   added.height = height;
   added.next = column.next;
-  column.next = block.free++;
+  column.next = free++;
   ++size_;
   return &added;
 }
@@ -203,17 +200,14 @@ std::size_t VoxelTile::add(const Eigen::Vector3d& origin_m, const MapPoint* begi
       Voxel* const to = voxelAt(arrival);
       if (!to) continue;
       ++merged;
-      to->add(arrival);
-      if (to->stamp == stamp_) continue;
-      to->stamp = stamp_;
-      if (to->views < kMaxViews) ++to->views;
+      to->add(arrival, stamp_);
     }
   }
   return merged;
 }
 
-TilePoint VoxelTile::pointOf(const Voxel& v, int i, int j) const {
-  const auto along = [](int cell, std::uint16_t mean, double side_m) {
+TilePoint VoxelTile::pointOf(const Voxel& v, std::uint32_t i, std::uint32_t j) const {
+  const auto along = [](auto cell, std::uint16_t mean, double side_m) {
     return static_cast<float>(side_m * (cell + (mean + 0.5) * (1.0 / double{kPositionSteps})));
   };
   TilePoint point;
@@ -232,14 +226,14 @@ Tile VoxelTile::toTile() const {
   tile.offset_m = offset_m_;
   tile.points.reserve(size_);
   std::vector<const Voxel*> column;
-  for (int b = 0; b < blocks_along_ * blocks_along_; ++b) {
-    const Block* block = blocks_[static_cast<std::size_t>(b)].get();
+  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+    const Block* block = blocks_[b].get();
     if (!block) continue;
-    for (int c = 0; c < kBlockSide * kBlockSide; ++c) {
-      const Voxel& heaviest = block->columns[static_cast<std::size_t>(c)];
+    for (std::uint32_t c = 0; c < kBlockSide * kBlockSide; ++c) {
+      const Voxel& heaviest = block->columns[c];
       if (heaviest.weight == 0) continue;
-      const int i = b % blocks_along_ * kBlockSide + c % kBlockSide;
-      const int j = b / blocks_along_ * kBlockSide + c / kBlockSide;
+      const std::uint32_t i = b % blocks_along_ * kBlockSide + c % kBlockSide;
+      const std::uint32_t j = b / blocks_along_ * kBlockSide + c / kBlockSide;
       if (heaviest.next == kNone) {
         tile.points.push_back(pointOf(heaviest, i, j));
         continue;

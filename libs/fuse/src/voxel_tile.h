@@ -49,7 +49,7 @@ class VoxelTile {
   std::size_t bytes() const;
 
  private:
-  static constexpr int kBlockSide = 8;
+  static constexpr std::uint32_t kBlockSide = 8;
   static constexpr std::uint32_t kSlabVoxels = 512;
   static constexpr std::uint32_t kChunkVoxels = 16;  ///< of the chains of a block, side by side
   static constexpr std::uint32_t kNone = (1u << 24) - 1;
@@ -60,22 +60,20 @@ class VoxelTile {
   struct Arrival;
   struct Grid;
   struct Voxel {
-    float weight = 0;
+    float weight = 0;         ///< zero where there is nothing yet
     std::uint32_t next : 24;  ///< in the same column
     std::uint32_t stamp : 8;  ///< of the view that saw it last
     std::uint32_t views : 12;
     std::int32_t height : 20;                    ///< cell along z
     std::uint16_t mean[6] = {0, 0, 0, 0, 0, 0};  ///< blue, green, red, x, y and z in the voxel
     Voxel() : next(kNone), stamp(0), views(0), height(0) {}
-    void add(const Arrival& arrival);
+    void add(const Arrival& arrival, std::uint32_t view_stamp);
   };
   static_assert(sizeof(Voxel) == 24, "a voxel takes 24 bytes");
 
   /// The columns of a square.
   struct Block {
     std::array<Voxel, kBlockSide * kBlockSide> columns;
-    /// For each column, bit h % 8 where its chain may have the height h: new ones need no search.
-    std::array<std::uint8_t, kBlockSide* kBlockSide> chained = {};
     std::uint32_t free = 0;  ///< number for a new voxel; 0 (mod kChunkVoxels) where there is none
   };
   using Slab = std::array<Voxel, kSlabVoxels>;
@@ -84,9 +82,7 @@ class VoxelTile {
   bool locate(const Grid& grid, const MapPoint& point, Arrival& arrival);
   Voxel* voxelAt(const Arrival& arrival);
   void startView(std::uint32_t view);
-  std::unique_ptr<Block>& blockOf(int i, int j);
-  TilePoint pointOf(const Voxel& v, int i, int j) const;
-  static std::size_t columnOf(int i, int j);
+  TilePoint pointOf(const Voxel& v, std::uint32_t i, std::uint32_t j) const;
   Voxel& voxel(std::uint32_t number) {
     return (*slabs_[number / kSlabVoxels])[number % kSlabVoxels];
   }
@@ -98,7 +94,7 @@ class VoxelTile {
   Eigen::Vector3d offset_m_;
   double voxel_m_;
   int columns_;  ///< along one side
-  int blocks_along_;
+  std::uint32_t blocks_along_;
   std::vector<std::unique_ptr<Block>> blocks_;  ///< null where there is nothing yet
   std::vector<std::unique_ptr<Slab>> slabs_;
   std::uint32_t size_ = 0;

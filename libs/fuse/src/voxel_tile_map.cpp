@@ -42,8 +42,9 @@ TileMap::TileMap(const FuseOptions& options, std::filesystem::path scratch)
         options_.voxel_m, options_.tile_m, VoxelTile::kMaxColumns));
   std::error_code error;
   std::filesystem::remove_all(scratch_, error);
-  if (!std::filesystem::create_directories(scratch_, error))
-    throw RunError(fmt::format("{}: cannot be made: {}", scratch_.string(), error.message()));
+  if (!error) std::filesystem::create_directories(scratch_, error);
+  if (error)
+    throw RunError(fmt::format("{}: cannot be made anew: {}", scratch_.string(), error.message()));
 }
 
 TileMap::~TileMap() {
