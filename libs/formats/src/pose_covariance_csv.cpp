@@ -52,24 +52,25 @@ void writePoseCovariances(const std::filesystem::path& file,
 
 std::vector<PoseCovarianceRow> readPoseCovariances(const std::filesystem::path& file) {
   const CsvTable table(file);
+  const auto not_a = [&](const char* wanted, const std::string& column) {
+    return RunError(file.string() + ": a value of column " + column + " is no " + wanted);
+  };
   const auto number = [&](const CsvRow& row, const std::string& column) {
-    const std::string& text = row[table.column(column)];
-    const auto value = numberFrom(text);
-    if (!value) throw RunError(file.string() + ": '" + text + "' should be a number");
+    const auto value = numberFrom(row[table.column(column)]);
+    if (!value) throw not_a("number", column);
     return *value;
   };
   const auto component = [&](const CsvRow& row) {
     const double value = number(row, "component");
     if (!(value >= 0 && value <= std::numeric_limits<int>::max()))
-      throw RunError(file.string() + ": component " + row[table.column("component")] +
-                     " should be a count");
+      throw not_a("count", "component");
     return static_cast<int>(value);
   };
   const auto time = [&](const std::string& text) {
     try {
       return timeFromText(text);
-    } catch (const RunError& e) {
-      throw RunError(file.string() + ": " + e.what());
+    } catch (const RunError&) {
+      throw not_a("time", "t");
     }
   };
   const std::size_t image = table.column("image"), t = table.column("t");
