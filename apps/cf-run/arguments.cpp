@@ -27,6 +27,8 @@ std::optional<RunArguments> runArguments(int argc, char** argv) {
       ->allow_extra_args(false)
       ->type_name("section.key=value");
   app.add_flag("-w,--overwrite", arguments.request.overwrite, "replace an earlier result");
+  app.add_flag("--resume", arguments.request.resume,
+               "go on with an interrupted run, with the same result as if it had not been");
   if (!parseArguments(app, argc, argv)) return std::nullopt;
   arguments.request.version = CF_VERSION;
   arguments.request.outdir =

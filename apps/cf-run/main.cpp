@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 ClusterFusion authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include "arguments.h"
 #include "cf/base/error.h"
 #include "cf/config/config.h"
@@ -11,6 +13,11 @@ int run(int argc, char** argv) {
   if (!arguments) return 0;  // --help, --version
   cf::Config config = cf::Config::fromFile(arguments->config);
   for (const std::string& assignment : arguments->overrides) config.override(assignment);
+  if (arguments->request.resume && cf::isFinished(arguments->request.outdir)) {
+    fmt::print("{} holds a finished result: nothing to resume\n",
+               arguments->request.outdir.string());
+    return 0;
+  }
   cf::printSummary(cf::runFlight(config, arguments->request), arguments->request.outdir);
   return 0;
 }

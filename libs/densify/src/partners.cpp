@@ -33,7 +33,9 @@ double baselineQuality(double ratio) {
 
 std::optional<Candidate> candidateOf(const DenseView& reference, const DenseView& other,
                                      const DensifyOptions& options) {
-  if (other.id == reference.id || !(other.median_depth_m > 0)) return std::nullopt;
+  if (other.id == reference.id || other.component != reference.component ||
+      !(other.median_depth_m > 0))
+    return std::nullopt;
   const Eigen::Vector3d baseline =
       other.T_world_cam.translation() - reference.T_world_cam.translation();
   const Eigen::Vector3d axis_a = reference.T_world_cam.linear().col(2);

@@ -127,6 +127,8 @@ void GeoTiffWriter::write(int column, int row, const cv::Mat& window) {
   if (GDALRasterIO(mask, GF_Write, column, row, width, height, pixels.data + 3, width, height,
                    GDT_Byte, 4, line) != CE_None)
     failGdal(path_, "cannot be written");
+  // Otherwise the order in the file hangs on what else is read through GDAL's cache.
+  GDALFlushCache(dataset);
 }
 
 void GeoTiffWriter::close() {

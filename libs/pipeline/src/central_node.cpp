@@ -16,16 +16,21 @@ std::uint64_t encodedSize(const GeoKeyframe& keyframe) {
 }  // namespace
 
 CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center,
-                         std::vector<CameraModel> cameras, StageTimes& times)
+                         std::vector<CameraModel> cameras, PhotoStore& store, StageTimes& times)
     : aligner_(options, center),
       update_every_(options.update_every),
       cameras_(std::move(cameras)),
+      store_(store),
       times_(times),
       segments_(cameras_.size()),
       gnss_(cameras_.size()),
       online_(cameras_.size()) {}
 
-void CentralNode::receive(ChainStep step) {
+const PoseTable* CentralNode::receive(ChainStep step) {
+  if (step.newest) {
+    bytes_ += step.jpeg.size();
+    store_.put(step.newest->photo, step.jpeg);
+  }
   const StageTimes::Scope scope(times_, "align");
   if (step.segments) segments_[step.uav] = step.segments;
   gnss_[step.uav] = step.gnss;
@@ -34,16 +39,18 @@ void CentralNode::receive(ChainStep step) {
     aligner_.push(keyframe);
     ++keyframes_since_update_;
   }
+  const PoseTable* published = nullptr;
   if (update_every_ > 0 && keyframes_since_update_ >= update_every_) {
-    aligner_.update(segments(), gnss_, cameras_);
+    published = &aligner_.update(segments(), gnss_, cameras_);
     keyframes_since_update_ = 0;
   }
-  if (!step.newest) return;
+  if (!step.newest) return published;
   const ChainStep::Newest& newest = *step.newest;
   if (const auto S_world_local = aligner_.similarity(newest.photo, newest.segment))
     online_[step.uav].push_back({newest.photo.index, S_world_local->carry(newest.T_local_cam)});
   else if (newest.T_world_cam)
     online_[step.uav].push_back({newest.photo.index, *newest.T_world_cam});
+  return published;
 }
 
 Alignment CentralNode::finish() {

@@ -8,7 +8,8 @@
 #include "cf/align/aligner.h"
 #include "cf/base/stopwatch.h"
 #include "cf/deliver/run_record.h"
-#include "uav_chain.h"
+#include "cf/types/chain_step.h"
+#include "photo_store.h"
 
 namespace cf {
 
@@ -16,11 +17,12 @@ namespace cf {
 /// a new version every `[align] update_every` keyframes, whatever the time that solving takes.
 class CentralNode {
  public:
-  /// `cameras` by UAV, as given. `times` must outlive the node.
+  /// `cameras` by UAV, as given. What is given by reference must outlive the node.
   CentralNode(const AlignOptions& options, std::uint16_t center, std::vector<CameraModel> cameras,
-              StageTimes& times);
+              PhotoStore& store, StageTimes& times);
 
-  void receive(ChainStep step);
+  /// Returns the new version of the map, if it has become time for one; valid until the next.
+  const PoseTable* receive(ChainStep step);
   /// The final map, when all steps have come.
   Alignment finish();
 
@@ -35,6 +37,7 @@ class CentralNode {
   Aligner aligner_;
   const int update_every_;
   const std::vector<CameraModel> cameras_;
+  PhotoStore& store_;
   StageTimes& times_;
   std::vector<std::shared_ptr<const std::vector<GeoSegment>>> segments_;  ///< by UAV
   std::vector<GnssQuality> gnss_;                                         ///< by UAV

@@ -10,6 +10,8 @@
 #include "cf/geodesy/grid_frame.h"
 #include "cf/pipeline/run_options.h"
 #include "cf/types/image_frame.h"
+#include "dense_matching.h"
+#include "photo_store.h"
 
 namespace cf {
 
@@ -18,14 +20,21 @@ struct DenseSummary {
   std::map<std::string, int> failures;  ///< pairs without a depth frame, by code
   std::size_t points = 0;               ///< delivered
   double voxel_m = 0;
-  std::map<FrameId, double> finished_s;  ///< wall time at which a photo was fused
+  std::map<FrameId, double>
+      finished_s;  ///< wall time at which first something of a photo was fused
 };
 
-/// Virtual stereo pairs of every posed photo, matched side by side and fused in the order of the
-/// photos into tiles, clouds and OctoMap below `outdir`. `photos` by UAV.
+/// Where a run writes.
+struct WorkFolders {
+  std::filesystem::path outdir;
+  std::filesystem::path work;  ///< what only lives as long as the run
+};
+
+/// The map with the final poses: the depth of all stereo pairs, as far as it was matched in the
+/// flight already, fused into tiles, clouds, OctoMap and rasters. `photos` by UAV.
 DenseSummary mapDensely(const std::vector<std::vector<ImageFrame>>& photos,
                         const Alignment& alignment, const GridFrame& grid,
-                        const RunOptions& options, const std::filesystem::path& outdir,
-                        StageTimes& times);
+                        const RunOptions& options, const WorkFolders& folders,
+                        DenseMatching& matching, PhotoStore& store, StageTimes& times);
 
 }  // namespace cf

@@ -16,14 +16,16 @@
 #include "cf/base/log.h"
 #include "cf/config/config.h"
 #include "cf/deliver/deliver.h"
-#include "cf/formats/atomic_file.h"
 #include "cf/formats/camera_ini.h"
 #include "cf/geodesy/grid_frame.h"
 #include "cf/geodesy/local_frame.h"
 #include "cf/rawlog/rawlog_reader.h"
 #include "cf/view/render.h"
 #include "dense_mapping.h"
+#include "dense_matching.h"
 #include "gnss_disagreement.h"
+#include "output_folder.h"
+#include "photo_store.h"
 #include "playback.h"
 #include "uav_chain.h"
 #include "unjoined_parts.h"
@@ -32,43 +34,8 @@ namespace cf {
 namespace fs = std::filesystem;
 namespace {
 
-/// Files of an earlier result. The folder may hold other things too, photos even: what we have not
-/// written stays.
-void removeEarlierResult(const fs::path& outdir) {
-  constexpr std::pair<const char*, const char*> kFiles[] = {
-      {"images", ".csv"},       {"trajectories", ".tum"}, {"trajectories", ".csv"},
-      {"trajectories", ".kml"}, {"cameras", ".ini"},      {"trajectories", ".geojson"},
-      {"scale", ".csv"},        {"odometry", ".tum"},     {"graphs", ".graph"},
-      {"cloud", ".ply"},        {"cloud", ".json"},       {"cloud/tiles", ".pcd"},
-      {"cloud", ".las"},        {"snapshots", ".png"}};
-  std::vector<fs::path> files;
-  for (const char* name : {"report.json", "report.html", "world.json", "relative_poses.csv",
-                           "octomap.ot", "octomap.bt", "map.3Dscene", "dsm.tif", "orthophoto.tif"})
-    files.push_back(outdir / name);
-  std::error_code error;
-  const auto collect = [&](const fs::path& folder, const char* extension) {
-    for (const auto& item : fs::directory_iterator(folder, error))
-      if (item.path().extension() == extension) files.push_back(item.path());
-  };
-  for (const auto& [folder, extension] : kFiles) collect(outdir / folder, extension);
-  for (const auto& uav : fs::directory_iterator(outdir / "depth", error))
-    collect(uav.path(), ".tif");
-  for (const fs::path& file : files) {
-    fs::remove(file, error);
-    if (error) throw RunError(file.string() + " cannot be replaced: " + error.message());
-  }
-}
-
-/// The output folder exists, is writable, and holds no result that nobody asked to replace.
-void prepareOutput(const FlightRunRequest& request) {
-  const fs::path& outdir = request.outdir;
-  std::error_code error;
-  if (fs::exists(outdir / "report.json", error) && !request.overwrite)
-    throw UsageError(outdir.string() + " holds an earlier result; give -w to overwrite it");
-  fs::create_directories(outdir, error);
-  if (error) throw RunError(outdir.string() + " cannot be made: " + error.message());
-  if (request.overwrite) removeEarlierResult(outdir);
-}
+/// Of 3 MP each, 9 MB: the neighbours in the strips that are being matched.
+constexpr std::size_t kPhotosInMemory = 12;
 
 UavRecording readUav(const Config& config, const UavOptions& options, std::uint16_t uav) {
   const fs::path rawlog = config.resolve(options.rawlog);
@@ -105,20 +72,32 @@ class FlightRun {
         warn(uav.name + ": " + warning);
       if (recordings_.back().photos.empty()) warn(uav.name + ": the rawlog holds no photo");
       if (uav.name == options.cluster.center) center_ = static_cast<std::uint16_t>(u);
-      photos_ += recordings_.back().photos.size();
+      photos_.push_back(recordings_.back().photos);
     }
-    if (photos_ == 0) throw RunError("no rawlog of the configuration holds a photo");
+    if (photos() == 0) throw RunError("no rawlog of the configuration holds a photo");
     placeWorld();
+  }
+
+  std::size_t photos() const {
+    std::size_t count = 0;
+    for (const auto& of_uav : photos_) count += of_uav.size();
+    return count;
   }
 
   RunRecord run() {
     const double started = wallSeconds();
-    const Alignment alignment = localise();
+    const WorkFolders folders{request_.outdir, workFolder(request_.outdir)};
+    PhotoStore store(folders.work / "photos", kPhotosInMemory);
+    DenseMatching matching(folders.work / "depth", options_.densify, store, times_);
+    const Alignment alignment = localise(store, folders);
     const DenseSummary dense =
-        mapDensely(photos(), alignment, grid_, options_, request_.outdir, times_);
+        mapDensely(photos_, alignment, grid_, options_, folders, matching, store, times_);
     collect(alignment, dense);
+    if (matching.found() > 0)
+      logInfo(fmt::format("densify: {} pairs were there already", matching.found()));
     record_.wall_s = wallSeconds() - started;
     deliverAll(dense);
+    fs::remove_all(folders.work);  // last of all: while it is there, the run can be resumed
     return std::move(record_);
   }
 
@@ -160,7 +139,7 @@ class FlightRun {
   }
 
   /// All photos through their UAVs' chains to the centre.
-  Alignment localise() {
+  Alignment localise(PhotoStore& store, const WorkFolders& folders) {
     std::deque<UavChain> chains;
     std::vector<CameraModel> cameras;
     for (std::size_t u = 0; u < recordings_.size(); ++u) {
@@ -169,8 +148,13 @@ class FlightRun {
       chains.emplace_back(recordings_[u], options_.uavs[u].name, static_cast<std::uint16_t>(u),
                           world_, options_, times_);
     }
-    CentralNode centre(options_.align, center_, cameras, times_);
-    arrival_s_ = playFlight(recordings_, chains, options_.playback.rate, centre);
+    CentralNode centre(options_.align, center_, cameras, store, times_);
+    std::optional<LiveMap> live;
+    if (options_.playback.rate > 0 || options_.view.live_every_s > 0)
+      live.emplace(options_, center_, photos_, folders.work / "live-tiles", folders.outdir / "live",
+                   store, times_);
+    played_ = playFlight(recordings_, chains, options_.playback, centre, live ? &*live : nullptr);
+    if (live) judgeLive(*live);
     Alignment alignment = centre.finish();
     record_.bytes_over_seam = centre.bytesReceived();
     for (std::size_t u = 0; u < chains.size(); ++u) {
@@ -181,10 +165,18 @@ class FlightRun {
     return alignment;
   }
 
-  std::vector<std::vector<ImageFrame>> photos() const {
-    std::vector<std::vector<ImageFrame>> all;
-    for (const UavRecording& r : recordings_) all.push_back(r.photos);
-    return all;
+  /// What a watcher has seen of the flight, and whether we kept up with it.
+  void judgeLive(const LiveMap& live) {
+    shown_s_ = live.shown();
+    if (options_.playback.rate <= 0) return;
+    if (played_.most_behind_s > 1)
+      warn(fmt::format("playback could not keep up: photos were taken up {:.1f} s late at worst",
+                       played_.most_behind_s));
+    if (live.leftOut() > 0)
+      warn(
+          fmt::format("the live map left out {} photos that were more than {:.0f} s late; the "
+                      "final map has them",
+                      live.leftOut(), options_.playback.max_lag_s));
   }
 
   void collect(const Alignment& alignment, const DenseSummary& dense) {
@@ -196,7 +188,11 @@ class FlightRun {
       for (std::uint32_t i = 0; i < uav.photos.size(); ++i)
         settle(uav, {static_cast<std::uint16_t>(u), i}, alignment);
       for (const auto& [id, finished] : dense.finished_s)
-        if (id.uav == u) record_.latencies_s.push_back(finished - arrival_s_[u][id.index]);
+        if (id.uav == u) {
+          const auto shown = shown_s_.find(id);
+          record_.latencies_s.push_back((shown == shown_s_.end() ? finished : shown->second) -
+                                        played_.taken_s[u][id.index]);
+        }
       uav.camera_after = alignment.table.cameras[u];
       const auto bias = alignment.gnss_bias_m.find(static_cast<std::uint16_t>(u));
       if (bias != alignment.gnss_bias_m.end()) uav.gnss.bias_m = bias->second;
@@ -256,11 +252,12 @@ class FlightRun {
   const FlightRunRequest& request_;
   std::vector<UavRecording> recordings_;
   std::uint16_t center_ = 0;
-  std::size_t photos_ = 0;
+  std::vector<std::vector<ImageFrame>> photos_;  ///< by UAV
   std::optional<LocalFrame> world_;
   GridFrame grid_;
   StageTimes times_;
-  std::vector<std::vector<double>> arrival_s_;  ///< by UAV and photo
+  Played played_;
+  std::map<FrameId, double> shown_s_;  ///< wall time of a photo in the live map
   RunRecord record_;
 };
 
@@ -276,8 +273,7 @@ RunRecord runFlight(Config& config, const FlightRunRequest& request) {
   // Photos and pairs are worked on side by side; OpenCV's own threads would only get in the way.
   cv::setNumThreads(options.uavs.size() > 1 ? 1 : threads);
   FlightRun run(config, options, request);
-  prepareOutput(request);
-  writeFileAtomically(request.outdir / "config.effective.ini", config.effectiveText());
+  prepareOutput(request, config, options, run.photos());
   return run.run();
 }
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_rasters.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 #include "cf/deliver/orthophoto.h"
@@ -24,18 +26,12 @@ double photoGroundSize(const std::vector<DenseView>& views) {
 MapRasters::MapRasters(const DeliverOptions& options, const GridFrame& grid, double voxel_m)
     : options_(options), grid_(grid), dsm_(grid, voxel_m) {}
 
-void MapRasters::add(FrameId id, const cv::Mat& photo) {
-  cv::Mat thumbnail = orthoThumbnail(photo);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  thumbnails_[id] = std::move(thumbnail);
-}
-
 void MapRasters::add(const Tile& tile) { dsm_.add(tile); }
 
 void MapRasters::write(const std::vector<DenseView>& views,
-                       const std::vector<std::vector<ImageFrame>>& photos, TileStore& cloud,
-                       double matched_pixel_m, const std::filesystem::path& outdir,
-                       StageTimes& times) {
+                       const std::vector<std::vector<ImageFrame>>& photos, const PhotoStore& store,
+                       TileStore& cloud, double matched_pixel_m,
+                       const std::filesystem::path& outdir, StageTimes& times) {
   if (dsm_.empty() || (!options_.dsm && !options_.orthophoto)) return;
   const std::filesystem::path dsm = outdir / "dsm.tif";
   {
@@ -44,24 +40,25 @@ void MapRasters::write(const std::vector<DenseView>& views,
   }
   if (options_.orthophoto) {
     const StageTimes::Scope scope(times, "orthophoto", CpuClock::kProcess);
-    writeOrtho(views, photos, matched_pixel_m, dsm, outdir);
+    writeOrtho(views, photos, store, matched_pixel_m, dsm, outdir);
   }
   if (!options_.dsm) std::filesystem::remove(dsm);
 }
 
 void MapRasters::writeOrtho(const std::vector<DenseView>& views,
                             const std::vector<std::vector<ImageFrame>>& photos,
-                            double matched_pixel_m, const std::filesystem::path& dsm,
+                            const PhotoStore& store, double matched_pixel_m,
+                            const std::filesystem::path& dsm,
                             const std::filesystem::path& outdir) const {
   const double photo_m = photoGroundSize(views);
   const double gsd_m = options_.orthophoto_gsd_m > 0 ? options_.orthophoto_gsd_m
                                                      : std::max(photo_m, matched_pixel_m / 2);
-  std::vector<OrthoPhoto> ortho;
-  for (const DenseView& view : views) {
-    const auto thumbnail = thumbnails_.find(view.id);
-    ortho.push_back({view.T_world_cam, view.camera, static_cast<int>(view.id.uav),
-                     thumbnail == thumbnails_.end() ? cv::Mat() : thumbnail->second});
-  }
+  std::vector<OrthoPhoto> ortho(views.size());
+  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+    const DenseView& view = views[i];
+    ortho[i] = {view.T_world_cam, view.camera, static_cast<int>(view.id.uav),
+                orthoThumbnail(store.eighth(view.id))};
+  });
   // No larger than the orthophoto can show.
   const double reduction = std::min(1.0, photo_m / gsd_m);
   const auto decode = [&](std::size_t i) {

@@ -3,8 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
-#include <mutex>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
@@ -15,37 +13,35 @@
 #include "cf/densify/densify.h"
 #include "cf/geodesy/grid_frame.h"
 #include "cf/types/image_frame.h"
+#include "photo_store.h"
 
 namespace cf {
 
-/// dsm.tif and orthophoto.tif of a run. Small copies of the photos are taken while they are matched
-/// and in memory anyway; the photos themselves are decoded once more at the end.
+/// dsm.tif and orthophoto.tif of a run. The orthophoto is made of the photos as recorded: they are
+/// decoded once more for it.
 class MapRasters {
  public:
   MapRasters(const DeliverOptions& options, const GridFrame& grid, double voxel_m);
 
-  bool wantsPhotos() const { return options_.orthophoto; }
-  /// Thread-safe.
-  void add(FrameId id, const cv::Mat& photo);
   /// A tile of the finished cloud.
   void add(const Tile& tile);
 
   /// Writes both into `outdir`, as far as they are wanted and there is a surface. `views` of
   /// `photos` (by UAV); `cloud` holds the tiles. `matched_pixel_m`: its size on the ground.
   void write(const std::vector<DenseView>& views,
-             const std::vector<std::vector<ImageFrame>>& photos, TileStore& cloud,
-             double matched_pixel_m, const std::filesystem::path& outdir, StageTimes& times);
+             const std::vector<std::vector<ImageFrame>>& photos, const PhotoStore& store,
+             TileStore& cloud, double matched_pixel_m, const std::filesystem::path& outdir,
+             StageTimes& times);
 
  private:
   void writeOrtho(const std::vector<DenseView>& views,
-                  const std::vector<std::vector<ImageFrame>>& photos, double matched_pixel_m,
-                  const std::filesystem::path& dsm, const std::filesystem::path& outdir) const;
+                  const std::vector<std::vector<ImageFrame>>& photos, const PhotoStore& store,
+                  double matched_pixel_m, const std::filesystem::path& dsm,
+                  const std::filesystem::path& outdir) const;
 
   const DeliverOptions& options_;
   const GridFrame& grid_;
   DsmBuilder dsm_;
-  std::mutex mutex_;
-  std::map<FrameId, cv::Mat> thumbnails_;
 };
 
 }  // namespace cf

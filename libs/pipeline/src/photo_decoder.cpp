@@ -11,6 +11,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cf/formats/image_header.h"
@@ -24,11 +25,14 @@ std::size_t lastMarker(const std::vector<std::uint8_t>& bytes, std::uint8_t mark
   return 0;
 }
 
+bool isJpeg(const std::vector<std::uint8_t>& bytes) {
+  return bytes.size() >= 4 && bytes[0] == 0xFF && bytes[1] == 0xD8;
+}
+
 /// OpenCV decodes a JPEG that breaks off to grey without a word: there must be an end of image
 /// after the last start of scan. (An embedded preview has both, further up.)
 bool isWholeJpeg(const std::vector<std::uint8_t>& bytes) {
-  if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8) return true;  // not a JPEG
-  return lastMarker(bytes, 0xD9) > lastMarker(bytes, 0xDA);
+  return !isJpeg(bytes) || lastMarker(bytes, 0xD9) > lastMarker(bytes, 0xDA);
 }
 
 Failure damaged(const std::string& what) { return {"damaged", what}; }
@@ -61,12 +65,19 @@ std::string objectionTo(const ImageSize& size, const CameraModel& camera) {
   return {};
 }
 
-}  // namespace
+constexpr int kReducedQuality = 98;
 
-Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels) {
-  const auto read = bytesOf(photo.file);
+struct Decoded {
+  std::vector<std::uint8_t> file;
+  cv::Mat image;
+  bool reduced = false;
+};
+
+Result<Decoded> decode(const ImageFrame& photo, double megapixels) {
+  auto read = bytesOf(photo.file);
   if (!read) return read.failure();
-  const std::vector<std::uint8_t>& bytes = read.value();
+  Decoded out{std::move(read.value()), {}, false};
+  const std::vector<std::uint8_t>& bytes = out.file;
   if (bytes.empty()) return damaged("file is empty");
   if (!isWholeJpeg(bytes)) return damaged("JPEG breaks off");
   double full = 1e-6 * photo.camera.width * photo.camera.height;
@@ -75,42 +86,34 @@ Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels) {
     if (!objection.empty()) return damaged(objection);
     full = 1e-6 * size->width * size->height;
   }
-  const int reduction = full / 16 >= megapixels  ? cv::IMREAD_REDUCED_COLOR_4
-                        : full / 4 >= megapixels ? cv::IMREAD_REDUCED_COLOR_2
-                                                 : cv::IMREAD_COLOR;
-  cv::Mat image;
+  const int scale = full / 16 >= megapixels  ? cv::IMREAD_REDUCED_COLOR_4
+                    : full / 4 >= megapixels ? cv::IMREAD_REDUCED_COLOR_2
+                                             : cv::IMREAD_COLOR;
+  out.reduced = scale != cv::IMREAD_COLOR;
   try {
-    image = cv::imdecode(bytes, reduction | cv::IMREAD_IGNORE_ORIENTATION);
+    out.image = cv::imdecode(bytes, scale | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {
-    image.release();
+    out.image.release();
   }
-  if (image.empty()) return damaged("file cannot be decoded");
-  return image;
+  if (out.image.empty()) return damaged("file cannot be decoded");
+  return out;
 }
 
-cv::Mat PhotoCache::get(const ImageFrame& photo) {
-  std::unique_lock<std::mutex> lock(mutex_);
-  const auto [found, is_new] = entries_.try_emplace(photo.id);
-  if (!is_new) {
-    uses_.splice(uses_.begin(), uses_, found->second.use);
-    const auto decoded = found->second.decoded;
-    ready_.wait(lock, [&] { return decoded->ready; });
-    return decoded->image;
-  }
-  uses_.push_front(photo.id);
-  const auto decoded = std::make_shared<Decoded>();
-  found->second = {decoded, uses_.begin()};
-  lock.unlock();
-  auto image = decodePhoto(photo, megapixels_);
-  lock.lock();
-  if (image) decoded->image = image.value();
-  decoded->ready = true;
-  ready_.notify_all();
-  while (entries_.size() > capacity_) {
-    entries_.erase(uses_.back());
-    uses_.pop_back();
-  }
-  return decoded->image;
+}  // namespace
+
+Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels) {
+  auto decoded = decode(photo, megapixels);
+  if (!decoded) return decoded.failure();
+  return decoded.value().image;
+}
+
+Result<TakenPhoto> takePhoto(const ImageFrame& photo, double megapixels) {
+  auto decoded = decode(photo, megapixels);
+  if (!decoded) return decoded.failure();
+  std::vector<std::uint8_t>& file = decoded.value().file;
+  if (decoded.value().reduced || !isJpeg(file))
+    cv::imencode(".jpg", decoded.value().image, file, {cv::IMWRITE_JPEG_QUALITY, kReducedQuality});
+  return TakenPhoto{decoded.value().image, std::string(file.begin(), file.end())};
 }
 
 }  // namespace cf

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "cf/base/progress.h"
+#include "cf/base/stopwatch.h"
 
 namespace cf {
 namespace {
@@ -21,6 +22,8 @@ constexpr std::size_t kPhotosInFlight = 16;
 
 using Ready = std::shared_ptr<ReadyPhoto>;
 using Step = std::shared_ptr<ChainStep>;
+using Job = std::shared_ptr<LiveMap::Job>;
+using Depth = std::shared_ptr<LiveMap::Depth>;
 
 std::vector<FrameId> inTimeOrder(const std::vector<UavRecording>& recordings) {
   std::vector<std::pair<TimeNs, FrameId>> photos;
@@ -36,20 +39,19 @@ std::vector<FrameId> inTimeOrder(const std::vector<UavRecording>& recordings) {
   return order;
 }
 
-/// Real-time playback: waits until the photo's moment has come.
-void keepPace(TimeNs since_first, double rate, double started_s) {
-  if (rate <= 0) return;
-  const double wait = started_s + seconds(since_first) / rate - wallSeconds();
+/// Waits until the moment has come; how long ago it was, if it has passed.
+double waitUntil(double moment_s) {
+  const double wait = moment_s - wallSeconds();
   if (wait > 0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
+  return std::max(0.0, -wait);
 }
 
 }  // namespace
 
-std::vector<std::vector<double>> playFlight(const std::vector<UavRecording>& recordings,
-                                            std::deque<UavChain>& chains, double rate,
-                                            CentralNode& centre) {
-  std::vector<std::vector<double>> arrival_s;
-  for (const UavRecording& r : recordings) arrival_s.emplace_back(r.photos.size());
+Played playFlight(const std::vector<UavRecording>& recordings, std::deque<UavChain>& chains,
+                  const PlaybackOptions& options, CentralNode& centre, LiveMap* live) {
+  Played played;
+  for (const UavRecording& r : recordings) played.taken_s.emplace_back(r.photos.size());
   const std::vector<FrameId> order = inTimeOrder(recordings);
   const auto timeOf = [&](FrameId id) { return recordings[id.uav].photos[id.index].time; };
   Progress progress("localise", order.size());
@@ -61,26 +63,45 @@ std::vector<std::vector<double>> playFlight(const std::vector<UavRecording>& rec
       return next;
     }
     const FrameId id = order[next];
-    keepPace(timeOf(id) - timeOf(order.front()), rate, started);
-    arrival_s[id.uav][id.index] = wallSeconds();
+    double& taken = played.taken_s[id.uav][id.index];
+    taken = wallSeconds();
+    if (options.rate > 0) {
+      taken = started + seconds(timeOf(id) - timeOf(order.front())) / options.rate;
+      played.most_behind_s = std::max(played.most_behind_s, waitUntil(taken));
+    }
     return next++;
   };
   const auto prepare = [&](std::size_t i) { return chains[order[i].uav].prepare(order[i].index); };
   const auto push = [&](const Ready& photo) {
+    progress.advance();
     return std::make_shared<ChainStep>(chains[photo->frame.id.uav].push(*photo));
   };
   const auto receive = [&](const Step& step) {
-    centre.receive(std::move(*step));
-    progress.advance();
+    const PoseTable* version = centre.receive(std::move(*step));
+    return std::make_shared<LiveMap::Job>(live && version ? live->jobOf(*version) : LiveMap::Job{});
+  };
+  const auto late = [&](FrameId id) {
+    return options.rate > 0 && wallSeconds() - played.taken_s[id.uav][id.index] > options.max_lag_s;
+  };
+  const auto match = [&](const Job& job) {
+    return std::make_shared<LiveMap::Depth>(live ? live->match(std::move(*job), late)
+                                                 : LiveMap::Depth{});
+  };
+  const auto show = [&](const Depth& depth) {
+    if (live) live->show(std::move(*depth));
   };
   constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
-  tbb::parallel_pipeline(kPhotosInFlight, tbb::make_filter<void, std::size_t>(kInOrder, takeUp) &
-                                              tbb::make_filter<std::size_t, Ready>(
-                                                  tbb::filter_mode::parallel, prepare) &
-                                              tbb::make_filter<Ready, Step>(kInOrder, push) &
-                                              tbb::make_filter<Step, void>(kInOrder, receive));
-  for (UavChain& chain : chains) centre.receive(chain.finish());
-  return arrival_s;
+  constexpr auto kParallel = tbb::filter_mode::parallel;
+  tbb::parallel_pipeline(kPhotosInFlight,
+                         tbb::make_filter<void, std::size_t>(kInOrder, takeUp) &
+                             tbb::make_filter<std::size_t, Ready>(kParallel, prepare) &
+                             tbb::make_filter<Ready, Step>(kInOrder, push) &
+                             tbb::make_filter<Step, Job>(kInOrder, receive) &
+                             tbb::make_filter<Job, Depth>(kParallel, match) &
+                             tbb::make_filter<Depth, void>(kInOrder, show));
+  for (UavChain& chain : chains) show(match(receive(std::make_shared<ChainStep>(chain.finish()))));
+  if (live) live->finish();
+  return played;
 }
 
 }  // namespace cf

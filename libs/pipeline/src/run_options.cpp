@@ -31,10 +31,16 @@ void UavOptions::visit(OptionVisitor& v) {
 
 void PlaybackOptions::visit(OptionVisitor& v) {
   v.number("rate", rate, {0, 1000}, "times real time; 0 = as fast as possible");
+  v.number("max_lag_s", max_lag_s, {0.1, 86400},
+           "where playback in real time is further behind [s], the live map leaves photos out");
 }
 
 void ViewOptions::visit(OptionVisitor& v) {
   v.flag("snapshots", snapshots, "render pictures at the end of the run");
+  v.number("live_every_s", live_every_s, {0, 86400},
+           "seconds between pictures of the growing map (live/*.png); 0 = none");
+  v.number("live_megapixels", live_megapixels, {0.05, 100},
+           "size matched for the live map [MP]; the final map has [densify] megapixels");
   v.text("size", size, "WIDTHxHEIGHT of the pictures [px]");
 }
 
@@ -47,8 +53,8 @@ namespace {
 void checkUav(const UavOptions& uav, const std::string& where) {
   if (uav.rawlog.empty()) throw UsageError(where + "needs rawlog = FILE");
   if (uav.name.empty() || uav.name.front() == '.' || uav.name.find('/') != std::string::npos)
-    throw UsageError(
-        where + "names a UAV; the name becomes a file name: no '/' in it, no '.' before it");
+    throw UsageError(where +
+                     "names a UAV; the name becomes a file name: no '/' in it, no '.' before it");
   if (uav.sigma.empty()) return;
   const auto sigma = parseNumbers(uav.sigma, 2, where + "sigma");
   if (!(sigma[0] > 0) || !(sigma[1] > 0))

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -12,6 +13,12 @@
 #include "photo_decoder.h"
 
 namespace cf {
+namespace {
+
+/// Half a photo is common to a stereo pair: of twice the pixels it keeps the resolution matched.
+constexpr double kDensePixels = 2;
+
+}  // namespace
 
 UavChain::UavChain(const UavRecording& recording, const std::string& name, std::uint16_t uav,
                    const std::optional<LocalFrame>& world, const RunOptions& options,
@@ -37,18 +44,20 @@ UavChain::UavChain(const UavRecording& recording, const std::string& name, std::
 
 std::shared_ptr<ReadyPhoto> UavChain::prepare(std::uint32_t index) const {
   const ImageFrame& photo = recording_.photos[index];
-  const auto decoded = [&] {
+  auto taken = [&] {
     const StageTimes::Scope scope(times_, "decode");
-    return decodePhoto(photo, options_.odometry.features.megapixels);
+    return takePhoto(photo, std::max(options_.odometry.features.megapixels,
+                                     kDensePixels * options_.densify.megapixels));
   }();
   auto out = std::make_shared<ReadyPhoto>();
   out->frame = photo;
-  if (!decoded) {
-    out->damage = decoded.failure().detail;
+  if (!taken) {
+    out->damage = taken.failure().detail;
     return out;
   }
   const StageTimes::Scope scope(times_, "odometry");
-  out->frame.image = decoded.value();
+  out->jpeg = std::move(taken.value().jpeg);
+  out->frame.image = taken.value().image;
   out->photo = preparePhoto(out->frame, options_.odometry);
   out->frame.image.release();
   return out;
@@ -74,6 +83,7 @@ ChainStep UavChain::push(ReadyPhoto& photo) {
   }
   georeference(keyframes, step);
   step.newest = newest(frame.id);
+  step.jpeg = std::move(photo.jpeg);
   return step;
 }
 

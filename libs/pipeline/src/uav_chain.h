@@ -23,6 +23,7 @@ namespace cf {
 struct ReadyPhoto {
   ImageFrame frame;  ///< without pixels
   PreparedPhoto photo;
+  std::string jpeg;    ///< as the central node gets it
   std::string damage;  ///< why it cannot be used; empty: it can
 };
 

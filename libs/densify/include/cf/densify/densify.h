@@ -30,9 +30,11 @@ struct DensifyOptions {
 };
 
 /// A photo that can take part in a virtual stereo pair: where it is, and how far its scene is along
-/// its optical axis (of its triangulated features: 5th, 50th and 95th percentile).
+/// its optical axis (of its triangulated features: 5th, 50th and 95th percentile). Views of
+/// different components have poses that do not fit each other.
 struct DenseView {
   FrameId id;
+  int component = 0;
   Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
   CameraModel camera;
   double near_depth_m = 0, median_depth_m = 0, far_depth_m = 0;
@@ -41,7 +43,8 @@ struct DenseView {
 /// Up to options.partners of `others`, best first. What counts is how much of the reference photo
 /// a partner adds: a share that no earlier partner sees counts in full, one seen already counts
 /// less, least from the same direction; times how well its baseline over depth measures (best
-/// between 0.3 and 0.6). Empty when none fits. Photos without depth are never chosen.
+/// between 0.3 and 0.6). Empty when none fits. Photos without depth, or of another component,
+/// are never chosen.
 std::vector<FrameId> choosePartners(const DenseView& reference,
                                     const std::vector<DenseView>& others,
                                     const DensifyOptions& options);

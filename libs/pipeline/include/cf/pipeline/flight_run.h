@@ -18,7 +18,11 @@ struct FlightRunRequest {
   std::filesystem::path outdir;
   bool overwrite = false;  ///< of an earlier result
   std::string version;
+  bool resume = false;  ///< go on with what an interrupted run has left
 };
+
+/// An earlier run came to its end there: nothing is left to resume.
+bool isFinished(const std::filesystem::path& outdir);
 
 /// Throws UsageError for a bad configuration, RunError for what cannot be read or written. Damaged
 /// photos are skipped, counted and reported. Returns what was delivered.

@@ -45,13 +45,16 @@ struct UavOptions {
 
 /// [playback]
 struct PlaybackOptions {
-  double rate = 0;  ///< times real time; 0 = as fast as possible
+  double rate = 0;       ///< times real time; 0 = as fast as possible
+  double max_lag_s = 6;  ///< behind real time, from which on the live map leaves photos out
   void visit(OptionVisitor& v);
 };
 
 /// [view]
 struct ViewOptions {
   bool snapshots = true;
+  double live_every_s = 0;       ///< between pictures of the growing map; 0 = none
+  double live_megapixels = 0.3;  ///< matched for it
   std::string size = "1920x1080";
   void visit(OptionVisitor& v);
 };

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cf/types/ids.h"
@@ -29,6 +30,7 @@ struct ChainStep {
     std::optional<Eigen::Isometry3d> T_world_cam;  ///< as the UAV knows it alone
   };
   std::optional<Newest> newest;
+  std::string jpeg;  ///< the newest photo itself, at the size that dense matching needs
 };
 
 }  // namespace cf

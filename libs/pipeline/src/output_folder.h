@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+#include "cf/pipeline/flight_run.h"
+#include "cf/pipeline/run_options.h"
+
+namespace cf {
+
+class Config;
+
+/// Below the output folder: what only lives as long as the run. While it is there, the run has not
+/// come to its end.
+std::filesystem::path workFolder(const std::filesystem::path& outdir);
+
+/// Makes the output folder ready: empty of earlier results if they may be overwritten, with
+/// config.effective.ini, and with the work folder; that of an interrupted run stays as it is if it
+/// is to be resumed. Throws UsageError where there is a result that nobody asked to replace, an
+/// interrupted run that was neither to be resumed nor overwritten, or one of other settings or
+/// recordings; RunError where it cannot be written or the disk is too full for `photos`.
+void prepareOutput(const FlightRunRequest& request, const Config& config, const RunOptions& options,
+                   std::size_t photos);
+
+}  // namespace cf
