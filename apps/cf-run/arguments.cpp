@@ -9,10 +9,33 @@
 #include "parse_arguments.h"
 
 namespace cf {
+namespace {
+
+/// --role, --uav and --seam belong together.
+void takeRole(const std::string& role, const std::string& uav, const std::string& seam,
+              const std::string& outdir, RunArguments& arguments) {
+  const auto refuse = [](const std::string& what) {
+    throw UsageError(what + " (see cf-run --help)");
+  };
+  if (role.empty() && !seam.empty()) refuse("--seam is for --role agent or central");
+  if (role != "agent" && !uav.empty()) refuse("--uav is for --role agent");
+  if (role.empty()) return;
+  if (seam.empty()) refuse("--role " + role + " needs --seam DIR");
+  if (role == "central") {
+    arguments.request.seam = seam;
+    return;
+  }
+  if (uav.empty()) refuse("--role agent needs --uav NAME");
+  if (!outdir.empty() || arguments.request.resume)
+    refuse("--role agent writes into --seam only: -o and --resume are for the central node");
+  arguments.agent = {uav, seam, arguments.request.overwrite};
+}
+
+}  // namespace
 
 std::optional<RunArguments> runArguments(int argc, char** argv) {
   RunArguments arguments;
-  std::string outdir;
+  std::string outdir, role, uav, seam;
   CLI::App app{
       "Plays the rawlogs of one or several UAVs and writes one georeferenced dense map: poses, "
       "point cloud, OctoMap, pictures and a report.",
@@ -29,12 +52,27 @@ std::optional<RunArguments> runArguments(int argc, char** argv) {
   app.add_flag("-w,--overwrite", arguments.request.overwrite, "replace an earlier result");
   app.add_flag("--resume", arguments.request.resume,
                "go on with an interrupted run, with the same result as if it had not been");
+  app.add_option("--role", role,
+                 "a part of the run alone: a UAV's agent (odometry, georeference), or the central "
+                 "node (alignment, map), which follows the agents' files while they grow")
+      ->check(CLI::IsMember({"agent", "central"}));
+  app.add_option("--uav", uav, "whose agent it is")->type_name("NAME");
+  app.add_option("--seam", seam, "folder through which agents and central node speak: NAME.seam")
+      ->type_name("DIR");
   if (!parseArguments(app, argc, argv)) return std::nullopt;
+  takeRole(role, uav, seam, outdir, arguments);
   arguments.request.version = CF_VERSION;
   arguments.request.outdir =
       outdir.empty() ? std::filesystem::absolute(arguments.config).parent_path() / "results"
                      : std::filesystem::path(outdir);
   return arguments;
+}
+
+void printSummary(const AgentSummary& agent) {
+  fmt::print("{} photos, {:.2f} MB a photo over the seam\nwrote {}\n", agent.photos,
+             1e-6 * static_cast<double>(agent.bytes) /
+                 static_cast<double>(std::max<std::size_t>(1, agent.photos)),
+             agent.file.string());
 }
 
 void printSummary(const RunRecord& run, const std::filesystem::path& outdir) {

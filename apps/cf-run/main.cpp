@@ -13,6 +13,10 @@ int run(int argc, char** argv) {
   if (!arguments) return 0;  // --help, --version
   cf::Config config = cf::Config::fromFile(arguments->config);
   for (const std::string& assignment : arguments->overrides) config.override(assignment);
+  if (arguments->agent) {
+    cf::printSummary(cf::runAgent(config, *arguments->agent));
+    return 0;
+  }
   if (arguments->request.resume && cf::isFinished(arguments->request.outdir)) {
     fmt::print("{} holds a finished result: nothing to resume\n",
                arguments->request.outdir.string());

@@ -118,6 +118,7 @@ inline ChainStep someStep(std::size_t features, std::mt19937& random) {
   step.segments = std::make_shared<const std::vector<GeoSegment>>(segments);
   step.gnss = someQuality();
   step.newest = ChainStep::Newest{{2, 70'002}, 3, someIsometry(random), someIsometry(random)};
+  step.jpeg = std::string("\xFF\xD8\0jpeg", 7);
   return step;
 }
 
@@ -128,6 +129,8 @@ inline SeamHello someHello() {
   hello.camera = someCamera();
   hello.photos = {{"a.jpg", 1'466'699'519'123'456'789}, {"b.jpg", -1}};
   hello.first_fix = GnssFix{77, 51.5, -0.125, 102.5, {1, 2, 3}, HeightDatum::kMsl};
+  hello.origin = {51.25, -0.0, 1e-310};
+  hello.warnings = {"broken \xFF", ""};
   return hello;
 }
 
@@ -207,12 +210,13 @@ class Bits {
     (*this)(n.photo, n.segment, n.T_local_cam, n.T_world_cam);
   }
   void add(const ChainStep& s) {
-    (*this)(s.uav, s.keyframes, s.segments != nullptr, s.gnss, s.newest);
+    (*this)(s.uav, s.keyframes, s.segments != nullptr, s.gnss, s.newest, s.jpeg);
     if (s.segments) add(*s.segments);
   }
   void add(const SeamHello::Photo& p) { (*this)(p.name, p.time); }
-  void add(const SeamHello& h) { (*this)(h.uav, h.name, h.camera, h.photos, h.first_fix); }
-  void add(const SeamPhoto& p) { (*this)(p.photo, p.jpeg); }
+  void add(const SeamHello& h) {
+    (*this)(h.uav, h.name, h.camera, h.photos, h.first_fix, h.origin, h.warnings);
+  }
   void add(const PhotoRecord& p) {
     (*this)(p.name, p.time, p.status, p.segment, p.keypoints, p.matches, p.inliers, p.reason);
   }

@@ -27,8 +27,8 @@ class SeamFile : public ::testing::Test {
       step.uav = 2;
       step.keyframes = {support::someKeyframe({2, photo}, 1, random)};
       step.segments = std::make_shared<std::vector<GeoSegment>>(1, segment);
+      step.jpeg = "jpeg";
       messages_.push_back(step);
-      messages_.push_back(SeamPhoto{{2, photo}, "jpeg"});
     }
     messages_.push_back(support::someDone());
     SeamWriter writer(file_);
@@ -69,6 +69,12 @@ TEST_F(SeamFile, givesAllMessagesInOrderAndThenItsEnd) {
   EXPECT_TRUE(reader.ended());
   EXPECT_FALSE(reader.next());
   EXPECT_EQ(reader.bytes(), bytes_.size());
+}
+
+TEST_F(SeamFile, aWriterWithoutAFileCountsTheSame) {
+  SeamWriter counter;
+  for (const SeamMessage& message : messages_) counter.write(message);
+  EXPECT_EQ(counter.bytes(), bytes_.size());
 }
 
 TEST_F(SeamFile, eachMessageIsThereWhenWritten) {

@@ -166,6 +166,7 @@ ChainStep stepOf(const seam::Step& in, SegmentsById known) {
     out.segments = std::move(segments);
   }
   out.gnss = qualityOf(in.gnss());
+  out.jpeg = in.jpeg();
   if (!in.has_newest()) return out;
   const seam::Step::Newest& newest = in.newest();
   out.newest = {idOf(newest.photo()), newest.segment(), poseOf(newest.t_local_cam()), {}};
@@ -183,6 +184,8 @@ SeamHello helloOf(const seam::Hello& in) {
   out.camera = cameraOf(in.camera());
   for (const seam::Hello::Photo& photo : in.photos())
     out.photos.push_back({photo.name(), photo.time_ns()});
+  if (!in.origin().empty()) out.origin = vectorOf(in.origin());
+  out.warnings.assign(in.warnings().begin(), in.warnings().end());
   if (!in.has_first_fix()) return out;
   const seam::Fix& fix = in.first_fix();
   out.first_fix = {
@@ -214,8 +217,6 @@ SeamMessage messageOf(const seam::Message& in, const std::vector<GeoSegment>* se
       return helloOf(in.hello());
     case seam::Message::kStep:
       return stepOf(in.step(), byId(segments));
-    case seam::Message::kReducedPhoto:
-      return SeamPhoto{idOf(in.reduced_photo().photo()), in.reduced_photo().jpeg()};
     case seam::Message::kDone:
       return doneOf(in.done());
     case seam::Message::KIND_NOT_SET:

@@ -137,6 +137,7 @@ void put(const ChainStep& step, const SegmentsById& before, seam::Step& out) {
       put(segment, segmentIn(before, segment.id), *segments.add_all());
   }
   put(step.gnss, *out.mutable_gnss());
+  out.set_jpeg(step.jpeg);
   if (!step.newest) return;
   seam::Step::Newest& newest = *out.mutable_newest();
   put(step.newest->photo, *newest.mutable_photo());
@@ -155,6 +156,8 @@ void put(const SeamHello& hello, seam::Hello& out) {
     to.set_name(photo.name);
     to.set_time_ns(photo.time);
   }
+  if (hello.origin) put(*hello.origin, *out.mutable_origin());
+  for (const std::string& warning : hello.warnings) out.add_warnings(warning);
   if (!hello.first_fix) return;
   seam::Fix& fix = *out.mutable_first_fix();
   fix.set_time_ns(hello.first_fix->time);
@@ -205,9 +208,6 @@ std::string SeamEncoder::encode(const SeamMessage& message) {
   } else if (const auto* step = std::get_if<ChainStep>(&message)) {
     put(*step, byId(segments_.get()), *out.mutable_step());
     if (step->segments) segments_ = step->segments;
-  } else if (const auto* photo = std::get_if<SeamPhoto>(&message)) {
-    put(photo->photo, *out.mutable_reduced_photo()->mutable_photo());
-    out.mutable_reduced_photo()->set_jpeg(photo->jpeg);
   } else {
     put(std::get<SeamDone>(message), *out.mutable_done());
   }

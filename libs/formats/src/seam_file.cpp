@@ -39,8 +39,9 @@ std::uint32_t headCrcOf(const Head& head) { return crcOf(&head, offsetof(Head, h
 }  // namespace
 
 SeamWriter::SeamWriter(std::filesystem::path path) : path_(std::move(path)) {
-  file_.reset(std::fopen(path_.c_str(), "wb"));
-  if (!file_) throw RunError(path_.string() + ": cannot be created: " + std::strerror(errno));
+  if (!path_.empty()) file_.reset(std::fopen(path_.c_str(), "wb"));
+  if (!path_.empty() && !file_)
+    throw RunError(path_.string() + ": cannot be created: " + std::strerror(errno));
   append(std::string(kMagic));
 }
 
@@ -54,8 +55,8 @@ void SeamWriter::write(const SeamMessage& message) {
 }
 
 void SeamWriter::append(const std::string& bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
-      std::fflush(file_.get()) != 0)
+  if (file_ && (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
+                std::fflush(file_.get()) != 0))
     throw RunError(path_.string() + ": cannot be written: " + std::strerror(errno));
   bytes_ += bytes.size();
 }

@@ -5,15 +5,6 @@
 #include <utility>
 
 namespace cf {
-namespace {
-
-/// What a keyframe needs on the wire: descriptors, pixels, inverse depths and scales.
-std::uint64_t encodedSize(const GeoKeyframe& keyframe) {
-  constexpr std::uint64_t kPerFeature = FeatureSet::kDescriptorSize + 2 * 4 + 4 + 4 + 3;
-  return keyframe.keyframe->features->size() * kPerFeature + 512;
-}
-
-}  // namespace
 
 CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center,
                          std::vector<CameraModel> cameras, PhotoStore& store, StageTimes& times)
@@ -27,15 +18,11 @@ CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center,
       online_(cameras_.size()) {}
 
 const PoseTable* CentralNode::receive(ChainStep step) {
-  if (step.newest) {
-    bytes_ += step.jpeg.size();
-    store_.put(step.newest->photo, step.jpeg);
-  }
+  if (step.newest) store_.put(step.newest->photo, step.jpeg);
   const StageTimes::Scope scope(times_, "align");
   if (step.segments) segments_[step.uav] = step.segments;
   gnss_[step.uav] = step.gnss;
   for (const GeoKeyframe& keyframe : step.keyframes) {
-    bytes_ += encodedSize(keyframe);
     aligner_.push(keyframe);
     ++keyframes_since_update_;
   }

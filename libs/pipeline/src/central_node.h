@@ -7,8 +7,8 @@
 
 #include "cf/align/aligner.h"
 #include "cf/base/stopwatch.h"
-#include "cf/deliver/run_record.h"
 #include "cf/types/chain_step.h"
+#include "cf/types/photo_record.h"
 #include "photo_store.h"
 
 namespace cf {
@@ -29,7 +29,6 @@ class CentralNode {
   /// Each photo's pose as the cluster knew it when the photo had been processed, by UAV: carried on
   /// from the common map, or, where its segment is not in it yet, as the UAV knew it alone.
   const std::vector<std::vector<PhotoPose>>& onlineTrajectories() const { return online_; }
-  std::uint64_t bytesReceived() const { return bytes_; }
 
  private:
   std::vector<GeoSegment> segments() const;
@@ -43,7 +42,6 @@ class CentralNode {
   std::vector<GnssQuality> gnss_;                                         ///< by UAV
   std::vector<std::vector<PhotoPose>> online_;
   int keyframes_since_update_ = 0;
-  std::uint64_t bytes_ = 0;
 };
 
 }  // namespace cf

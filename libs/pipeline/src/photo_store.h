@@ -31,6 +31,8 @@ class PhotoStore {
   /// The same at half or an eighth of its size, past the memory.
   cv::Mat half(FrameId photo) const;
   cv::Mat eighth(FrameId photo) const;
+  /// Where its JPEG stands, or would.
+  std::filesystem::path file(FrameId photo) const;
 
  private:
   struct Decoded {
@@ -41,7 +43,6 @@ class PhotoStore {
     std::shared_ptr<Decoded> decoded;
     std::list<FrameId>::iterator use;
   };
-  std::filesystem::path file(FrameId photo) const;
 
   const std::filesystem::path folder_;
   const std::size_t capacity_;

@@ -33,6 +33,8 @@ void PlaybackOptions::visit(OptionVisitor& v) {
   v.number("rate", rate, {0, 1000}, "times real time; 0 = as fast as possible");
   v.number("max_lag_s", max_lag_s, {0.1, 86400},
            "where playback in real time is further behind [s], the live map leaves photos out");
+  v.number("wait_s", wait_s, {0.1, 86400},
+           "--role central: an agent that has written nothing for so long [s] has ended");
 }
 
 void ViewOptions::visit(OptionVisitor& v) {

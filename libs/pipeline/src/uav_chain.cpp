@@ -32,13 +32,14 @@ UavChain::UavChain(const UavRecording& recording, const std::string& name, std::
                      [&world](const GnssFix& fix) {
                        return world->toEnu(fix.latitude_deg, fix.longitude_deg, fix.height_m);
                      }),
-      has_world_(world.has_value()) {
-  record_.name = name;
+      has_world_(world.has_value()),
+      name_(name) {
+  done_.uav = uav;
   for (const ImageFrame& photo : recording.photos) {
     PhotoRecord record;
     record.name = photo.name;
     record.time = photo.time;
-    record_.photos.push_back(record);
+    done_.photos.push_back(record);
   }
 }
 
@@ -70,10 +71,10 @@ ChainStep UavChain::push(ReadyPhoto& photo) {
   addFixesUntil(frame.time);
   step.gnss = georeferencer_.quality();
   if (!photo.damage.empty()) {
-    PhotoRecord& record = record_.photos[frame.id.index];
+    PhotoRecord& record = done_.photos[frame.id.index];
     record.status = PhotoStatus::kDamaged;
     record.reason = photo.damage;
-    logWarning(fmt::format("{}: photo {} is skipped: {}", record_.name, frame.name, photo.damage));
+    logWarning(fmt::format("{}: photo {} is skipped: {}", name_, frame.name, photo.damage));
     return step;
   }
   std::vector<std::shared_ptr<const Keyframe>> keyframes;
@@ -104,13 +105,13 @@ ChainStep UavChain::finish() {
   return step;
 }
 
-UavRecord UavChain::record() {
-  record_.segments = static_cast<int>(georeferencer_.segments().size());
-  record_.gnss = georeferencer_.quality();
-  record_.pose_graph = georeferencer_.graphText();
+SeamDone UavChain::done() {
+  done_.segments = static_cast<int>(georeferencer_.segments().size());
+  done_.gnss = georeferencer_.quality();
+  done_.pose_graph = georeferencer_.graphText();
   for (const ScaleSample& s : georeferencer_.scaleHistory())
-    if (s.georeferenced) record_.scale_history.push_back({s.time, s.segment, s.scale, s.sigma});
-  return std::move(record_);
+    if (s.georeferenced) done_.scale_history.push_back({s.time, s.segment, s.scale, s.sigma});
+  return std::move(done_);
 }
 
 void UavChain::addFixesUntil(TimeNs time) {
@@ -123,11 +124,11 @@ void UavChain::georeference(const std::vector<std::shared_ptr<const Keyframe>>& 
                             ChainStep& step) {
   const StageTimes::Scope scope(times_, "georeference");
   for (const auto& keyframe : keyframes) {
-    PhotoRecord& record = record_.photos[keyframe->id.index];
+    PhotoRecord& record = done_.photos[keyframe->id.index];
     record.segment = keyframe->segment;
     record.matches = keyframe->matches;
     record.inliers = keyframe->inliers;
-    record_.local_trajectory.push_back({keyframe->id.index, keyframe->T_local_cam});
+    done_.local_trajectory.push_back({keyframe->id.index, keyframe->T_local_cam});
     collect(georeferencer_.push(keyframe), step);
   }
   step.segments = std::make_shared<std::vector<GeoSegment>>(georeferencer_.segments());
@@ -144,7 +145,7 @@ void UavChain::collect(std::vector<GeoKeyframe> keyframes, ChainStep& step) {
 /// Carried on from the last keyframe of its segment that is georeferenced.
 ChainStep::Newest UavChain::newest(FrameId id) {
   const Keyframe newest = odometry_.newest();
-  record_.photos[id.index].keypoints = static_cast<int>(newest.inverse_depth.size());
+  done_.photos[id.index].keypoints = static_cast<int>(newest.inverse_depth.size());
   ChainStep::Newest out{id, newest.segment, newest.T_local_cam, {}};
   for (const GeoSegment& segment : georeferencer_.segments()) {
     if (segment.id.segment != newest.segment || !segment.georeferenced || segment.poses.empty())

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cf/base/stopwatch.h"
-#include "cf/deliver/run_record.h"
+#include "cf/formats/seam_message.h"
 #include "cf/geodesy/local_frame.h"
 #include "cf/georeference/georeferencer.h"
 #include "cf/odometry/odometry.h"
@@ -41,9 +41,8 @@ class UavChain {
   ChainStep push(ReadyPhoto& photo);
   /// What is left after the last photo.
   ChainStep finish();
-  /// After finish(): all that is told of the UAV but what only the centre knows (poses in the map,
-  /// camera after).
-  UavRecord record();
+  /// After finish(): what the report tells of the UAV, as far as it knows it itself.
+  SeamDone done();
 
  private:
   void addFixesUntil(TimeNs time);
@@ -60,7 +59,8 @@ class UavChain {
   const bool has_world_;
   std::size_t next_fix_ = 0;
   std::map<FrameId, Eigen::Isometry3d> local_;
-  UavRecord record_;
+  const std::string name_;
+  SeamDone done_;
 };
 
 }  // namespace cf

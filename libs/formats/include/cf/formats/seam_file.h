@@ -19,8 +19,8 @@ namespace cf {
 /// throws RunError naming the path.
 class SeamWriter {
  public:
-  /// Replaces what was there.
-  explicit SeamWriter(std::filesystem::path path);
+  /// Replaces what was there. Without a path it only counts what it would write.
+  explicit SeamWriter(std::filesystem::path path = {});
 
   void write(const SeamMessage& message);
   std::uint64_t bytes() const { return bytes_; }

@@ -32,12 +32,9 @@ struct SeamHello {
   CameraModel camera;                ///< as given
   std::vector<Photo> photos;         ///< in time order
   std::optional<GnssFix> first_fix;  ///< with its datum
-};
-
-/// A photo, reduced to what dense matching needs.
-struct SeamPhoto {
-  FrameId photo;
-  std::string jpeg;
+  /// Of the world that it georeferences in: latitude, longitude [deg], height [m]. None: no fix.
+  std::optional<Eigen::Vector3d> origin;
+  std::vector<std::string> warnings;  ///< about the recording
 };
 
 /// The last that a UAV says: what the report tells of it.
@@ -53,7 +50,7 @@ struct SeamDone {
 
 /// What crosses the seam between one UAV's agent and the central node
 /// (libs/formats/proto/seam.proto, docs/seam.md).
-using SeamMessage = std::variant<SeamHello, ChainStep, SeamPhoto, SeamDone>;
+using SeamMessage = std::variant<SeamHello, ChainStep, SeamDone>;
 
 /// Messages of one UAV to bytes, in order: of the segments, a step holds only what has changed
 /// since the step before.

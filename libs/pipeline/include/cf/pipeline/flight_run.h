@@ -19,6 +19,9 @@ struct FlightRunRequest {
   bool overwrite = false;  ///< of an earlier result
   std::string version;
   bool resume = false;  ///< go on with what an interrupted run has left
+  /// Folder in which agents (agent_run.h) write what crosses the seam: this is the central node
+  /// alone. Empty: the UAVs' part too is done here.
+  std::filesystem::path seam = {};
 };
 
 /// An earlier run came to its end there: nothing is left to resume.

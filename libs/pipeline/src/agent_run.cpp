@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cf/pipeline/agent_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cf/base/error.h"
+#include "cf/base/log.h"
+#include "cf/base/progress.h"
+#include "cf/config/config.h"
+#include "chain_steps.h"
+#include "playback.h"
+#include "thread_limit.h"
+#include "world.h"
+
+namespace cf {
+namespace fs = std::filesystem;
+namespace {
+
+std::uint16_t placeOf(const std::string& name, const RunOptions& options,
+                      const std::string& config) {
+  for (std::size_t u = 0; u < options.uavs.size(); ++u)
+    if (options.uavs[u].name == name) return static_cast<std::uint16_t>(u);
+  throw UsageError(fmt::format("{} has no section [uav.{}]", config, name));
+}
+
+/// An agent sees no other UAV: what the whole cluster must share has to be known beforehand.
+World worldOf(const UavInput& input, const RunOptions& options) {
+  const auto first = firstFix(input.recording);
+  if (first && options.world.origin.empty() && input.uav != centralUav(options))
+    throw UsageError(fmt::format(
+        "the agent of {} does not know the world's origin, the first fix of {}: give [world] "
+        "origin = LAT, LON, H to all agents and the central node",
+        input.name, options.cluster.center));
+  std::vector<std::optional<GnssFix>> first_fixes(options.uavs.size());
+  first_fixes[input.uav] = first;
+  return placeWorld(options, first_fixes);
+}
+
+}  // namespace
+
+AgentSummary runAgent(Config& config, const AgentRequest& request) {
+  const RunOptions options = loadRunOptions(config);
+  const ThreadLimit limit(options);
+  const std::uint16_t uav = placeOf(request.uav, options, config.file().string());
+  const fs::path file = request.seam / (request.uav + ".seam");
+  if (fs::exists(file) && !request.overwrite)
+    throw UsageError(file.string() + " is there already; give -w to overwrite it");
+  UavInput input = readUav(config, options, uav);
+  for (const std::string& warning : input.recording.warnings)
+    logWarning(input.name + ": " + warning);
+  const World world = worldOf(input, options);
+  std::error_code error;
+  fs::create_directories(request.seam, error);
+  if (error) throw RunError(request.seam.string() + " cannot be made: " + error.message());
+  std::vector<UavInput> inputs;
+  inputs.push_back(std::move(input));
+  StageTimes times;
+  ChainSteps source(std::move(inputs), options, world.frame, times, request.seam);
+  Progress progress("localise", source.photoCount());
+  tbb::parallel_pipeline(kStepsInFlight, source.steps() & tbb::make_filter<StepSource::Step, void>(
+                                                              tbb::filter_mode::serial_in_order,
+                                                              [&](const StepSource::Step& step) {
+                                                                if (step->photo) progress.advance();
+                                                              }));
+  return {source.photoCount(), source.bytes(), file};
+}
+
+}  // namespace cf

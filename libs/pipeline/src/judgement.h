@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 ClusterFusion authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "cf/align/aligner.h"
+#include "cf/deliver/run_record.h"
+
+namespace cf {
+
+/// Says it, now and in the report.
+void warn(RunRecord& record, const std::string& line);
+
+/// Enters the final map into what is told of the photos and UAVs, and warns of what is wrong with
+/// it.
+void judge(const Alignment& alignment, RunRecord& record);
+
+}  // namespace cf
