@@ -129,6 +129,8 @@ TEST_F(SeamRoles, AnAgentThatNeverCameIsSaid) {
   EXPECT_EQ(r.status, 0) << r.output;
   EXPECT_NE(report("out")["warnings"].dump().find("northC: no agent has written"),
             std::string::npos);
+  const CommandResult refused = run(command(central("out")));
+  EXPECT_EQ(refused.status, 2) << "before it waits: " << refused.output;
   fs::remove_all(seam_);
   EXPECT_EQ(run(command(central("none") + "-s playback.wait_s=0.5")).status, 1);
 }

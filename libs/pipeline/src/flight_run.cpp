@@ -197,6 +197,7 @@ class FlightRun {
 
 RunRecord runFlight(Config& config, const FlightRunRequest& request) {
   const RunOptions options = loadRunOptions(config);
+  checkOutput(request, config, options);
   const ThreadLimit limit(options);
   FlightRun run(config, options, request);
   prepareOutput(request, config, options, run.photos());

@@ -51,6 +51,9 @@ void removeEarlierResult(const fs::path& outdir) {
   if (error) throw RunError(workFolder(outdir).string() + " cannot be removed: " + error.message());
 }
 
+/// Tells what run has begun there.
+fs::path begunFile(const fs::path& outdir) { return workFolder(outdir) / "run.txt"; }
+
 /// What a run depends on: its settings, and which recordings they are about.
 std::string fingerprint(const FlightRunRequest& request, const Config& config,
                         const RunOptions& options) {
@@ -101,10 +104,9 @@ bool isFinished(const fs::path& outdir) {
   return fs::exists(outdir / "report.json") && !fs::exists(workFolder(outdir));
 }
 
-void prepareOutput(const FlightRunRequest& request, const Config& config, const RunOptions& options,
-                   std::size_t photos) {
+void checkOutput(const FlightRunRequest& request, const Config& config, const RunOptions& options) {
   const fs::path& outdir = request.outdir;
-  const fs::path begun = workFolder(outdir) / "run.txt";
+  const fs::path begun = begunFile(outdir);
   const bool interrupted = fs::exists(begun);
   const std::string now = fingerprint(request, config, options);
   if (interrupted && request.resume && textOf(begun) != now)
@@ -118,14 +120,20 @@ void prepareOutput(const FlightRunRequest& request, const Config& config, const 
                      "anew");
   if (!interrupted && fs::exists(outdir / "report.json") && !request.overwrite)
     throw UsageError(outdir.string() + " holds an earlier result; give -w to overwrite it");
+}
+
+void prepareOutput(const FlightRunRequest& request, const Config& config, const RunOptions& options,
+                   std::size_t photos) {
+  const fs::path& outdir = request.outdir;
+  const fs::path begun = begunFile(outdir);
   std::error_code error;
   fs::create_directories(outdir, error);
   if (error) throw RunError(outdir.string() + " cannot be made: " + error.message());
-  if (request.overwrite && !(interrupted && request.resume)) removeEarlierResult(outdir);
+  if (request.overwrite && !(fs::exists(begun) && request.resume)) removeEarlierResult(outdir);
   checkSpace(outdir, options.densify, photos);
   fs::create_directories(begun.parent_path(), error);
   if (error) throw RunError(begun.parent_path().string() + " cannot be made: " + error.message());
-  writeFileAtomically(begun, now);
+  writeFileAtomically(begun, fingerprint(request, config, options));
   writeFileAtomically(outdir / "config.effective.ini", config.effectiveText());
 }
 
