@@ -65,7 +65,7 @@ std::string objectionTo(const ImageSize& size, const CameraModel& camera) {
   return {};
 }
 
-constexpr int kReducedQuality = 98;
+constexpr int kReducedQuality = 95;
 
 struct Decoded {
   std::vector<std::uint8_t> file;

@@ -17,7 +17,7 @@ Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels);
 /// A photo taken up: what all stages see of it.
 struct TakenPhoto {
   cv::Mat image;     ///< BGR
-  std::string jpeg;  ///< the same size: the file itself, or, where it was reduced, of quality 98
+  std::string jpeg;  ///< the same size: the file itself, or, where it was reduced, of quality 95
 };
 
 /// The one time that a photo is decoded from its file: at a scale as decodePhoto() chooses it.
