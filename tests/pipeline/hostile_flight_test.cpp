@@ -253,7 +253,7 @@ TEST_F(HostileFlight, NoPhotoAtAll) {
   support::writeText(in_ / "config.ini", "[uav.a]\nrawlog = a.rawlog\n");
   const CommandResult r = run();
   EXPECT_EQ(r.status, 1);
-  EXPECT_NE(r.output.find("no rawlog of the configuration holds a photo"), std::string::npos)
+  EXPECT_NE(r.output.find("no UAV of the configuration has a photo"), std::string::npos)
       << r.output;
   EXPECT_FALSE(fs::exists(out_));
 }
