@@ -5,10 +5,6 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
 
-#if defined(__GLIBC__)
-#include <malloc.h>
-#endif
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -24,6 +20,7 @@
 #include "cf/fuse/voxel_tile_map.h"
 #include "cf/geometry/depth_triangulation.h"
 #include "depth_maps.h"
+#include "free_memory.h"
 #include "map_rasters.h"
 
 namespace cf {
@@ -31,14 +28,6 @@ namespace {
 
 constexpr std::size_t kPhotosInFlight = 3;
 constexpr int kPhotosPerRelease = 8;
-
-/// Gives memory that is free, but kept for later, back to the system: images and points of changing
-/// sizes leave holes that add up to hundreds of MB.
-void releaseFreeMemory() {
-#if defined(__GLIBC__)
-  malloc_trim(0);
-#endif
-}
 
 using Pairs = std::vector<StereoPair>;
 
@@ -94,6 +83,8 @@ class DenseMapper {
     matchAndFuse(*map);
     DirectoryTileStore cloud = deliver(*map, fuse);
     map.reset();
+    store_.leaveMemory();
+    releaseFreeMemory();  // of the map and its products, before the rasters
     rasters_->write(views_, photos_, store_, cloud, matched_pixel_m, folders_.outdir, times_);
     return summary_;
   }

@@ -17,6 +17,7 @@
 #include "chain_steps.h"
 #include "dense_mapping.h"
 #include "dense_matching.h"
+#include "free_memory.h"
 #include "judgement.h"
 #include "output_folder.h"
 #include "photo_store.h"
@@ -121,9 +122,10 @@ class FlightRun {
     record_.warnings.insert(record_.warnings.end(), source_->warnings().begin(),
                             source_->warnings().end());
     if (live) judgeLive(*live);
-    Alignment alignment = centre.finish();
     record_.bytes_over_seam = source_->bytes();
     std::vector<SeamDone> done = source_->done();
+    source_.reset();  // chains and all that they remember
+    Alignment alignment = centre.finish();
     for (std::size_t u = 0; u < done.size(); ++u) {
       UavRecord& uav = record_.uavs.emplace_back();
       uav.name = options_.uavs[u].name;
@@ -173,6 +175,7 @@ class FlightRun {
       warn(record_, "no snapshots: the dense cloud is empty");
     } else {
       const StageTimes::Scope scope(times_, "view", CpuClock::kProcess);
+      releaseFreeMemory();
       renderRun(request_.outdir, parseImageSize(options_.view.size));
     }
     // Once more, with the pictures and their cost.

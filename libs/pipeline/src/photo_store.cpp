@@ -49,6 +49,12 @@ cv::Mat PhotoStore::get(FrameId photo) {
   return decoded->image;
 }
 
+void PhotoStore::leaveMemory() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  entries_.clear();
+  uses_.clear();
+}
+
 cv::Mat PhotoStore::half(FrameId photo) const {
   return cv::imread(file(photo).string(),
                     cv::IMREAD_REDUCED_COLOR_2 | cv::IMREAD_IGNORE_ORIENTATION);

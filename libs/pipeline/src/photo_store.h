@@ -28,6 +28,8 @@ class PhotoStore {
   void put(FrameId photo, const std::string& jpeg);
   /// Empty where the photo was never put.
   cv::Mat get(FrameId photo);
+  /// Forgets the decoded ones.
+  void leaveMemory();
   /// The same at half or an eighth of its size, past the memory.
   cv::Mat half(FrameId photo) const;
   cv::Mat eighth(FrameId photo) const;
