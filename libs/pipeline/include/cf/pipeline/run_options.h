@@ -45,9 +45,9 @@ struct UavOptions {
 
 /// [playback]
 struct PlaybackOptions {
-  double rate = 0;       ///< times real time; 0 = as fast as possible
-  double max_lag_s = 6;  ///< behind real time, from which on the live map leaves photos out
-  double wait_s = 60;    ///< for an agent's next message
+  double rate = 0;        ///< times real time; 0 = as fast as possible
+  double max_lag_s = 20;  ///< behind real time, from which on the live map leaves photos out
+  double wait_s = 60;     ///< for an agent's next message
   void visit(OptionVisitor& v);
 };
 
