@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "disparity_filter.h"
+#include "lanes.h"
 
 namespace cf {
 namespace {
@@ -29,11 +30,19 @@ cv::Rect within(const cv::Mat& image, int left, int top, int side) {
   return cv::Rect(left, top, side, side) & cv::Rect({}, image.size());
 }
 
+bool allKnown(const cv::Mat& disparity, const cv::Rect& area) {
+  for (int v = area.y; v < area.y + area.height; ++v) {
+    const auto* d = disparity.ptr<std::int16_t>(v) + area.x;
+    if (std::find(d, d + area.width, kNoDisparity) != d + area.width) return false;
+  }
+  return true;
+}
+
 /// The disparity of the surface about a cell, or kNoDisparity. `votes` is scratch.
 int voteOf(const cv::Mat& disparity, const cv::Mat& raw, int left, int top,
            std::vector<std::int16_t>& votes) {
   const cv::Rect cell = within(raw, left, top, kCell);
-  if (cv::countNonZero(disparity(cell) == kNoDisparity) == 0) {
+  if (allKnown(disparity, cell)) {
     return disparity.at<std::int16_t>(cell.y + cell.height / 2, cell.x + cell.width / 2);
   }
   const cv::Rect area = within(raw, left - kVoters, top - kVoters, kCell + 2 * kVoters);
@@ -78,6 +87,12 @@ int surfaceAt(const cv::Mat& surface, int own, int u, int v) {
   return own + sum / std::max(1, weight);
 }
 
+/// `from` holds one more at both ends.
+CF_CLONES void greatestBeside(const std::int16_t* from, int n, std::int16_t* to) {
+  static_assert(kBeside == 1);
+  for (int k = 0; k < n; ++k) to[k] = std::max(std::max(from[k], from[k + 1]), from[k + 2]);
+}
+
 }  // namespace
 
 void fillByVote(cv::Mat& disparity, const cv::Mat& raw) {
@@ -103,6 +118,7 @@ void fillByVote(cv::Mat& disparity, const cv::Mat& raw) {
 void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse, int partner_width) {
   // The greatest disparity that lands on each pixel of the partner: what hides others.
   std::vector<std::int16_t> nearest(static_cast<std::size_t>(partner_width));
+  std::vector<std::int16_t> landed(nearest.size() + 2 * kBeside);
   // A smooth place of the coarse level: the 3 x 3 neighbours all known and within a step.
   cv::Mat least, greatest;
   const cv::Mat square = cv::Mat::ones(3, 3, CV_8U);
@@ -116,15 +132,14 @@ void fillFromCoarse(StereoOutput& fine, const StereoOutput& coarse, int partner_
     const auto* high = greatest.ptr<std::int16_t>(y);
     const auto* from = coarse.disparity.ptr<std::int16_t>(y);
     const auto* from_confidence = coarse.confidence.ptr<uchar>(y);
-    std::fill(nearest.begin(), nearest.end(), kNoDisparity);
+    std::fill(landed.begin(), landed.end(), kNoDisparity);
     for (int u = 0; u < fine.disparity.cols; ++u) {
-      if (confidence[u] == 0) continue;
-      const int at = u - ((d[u] + 8) >> 4);
-      for (int k = std::max(0, at - kBeside); k <= std::min(partner_width - 1, at + kBeside); ++k) {
-        auto& there = nearest[static_cast<std::size_t>(k)];
-        there = std::max(there, d[u]);
-      }
+      const int at = u - ((d[u] + 8) >> 4) + kBeside;
+      if (confidence[u] == 0 || at < 0 || at >= partner_width + 2 * kBeside) continue;
+      auto& there = landed[static_cast<std::size_t>(at)];
+      there = std::max(there, d[u]);
     }
+    greatestBeside(landed.data(), partner_width, nearest.data());
     for (int u = 0; u < fine.disparity.cols; ++u) {
       const int x = std::min(u / 2, coarse.disparity.cols - 1);
       if (confidence[u] >= kWeak || low[x] == kNoDisparity || high[x] - low[x] > kFillStep)

@@ -101,8 +101,7 @@ void clearOutside(cv::Mat& disparity, const StereoInput& input) {
     const auto* inside = input.reference_inside.ptr<uchar>(v);
     const auto* partner = input.partner_inside.ptr<uchar>(v);
     for (int u = 0; u < disparity.cols; ++u) {
-      if (d[u] == kNoDisparity) continue;
-      const int x = u - static_cast<int>(std::floor(d[u] / 16.0 + 0.5));
+      const int x = u - ((d[u] + 8) >> 4);
       if (!inside[u] || x < 0 || x >= input.partner.cols || !partner[x]) d[u] = kNoDisparity;
     }
   }

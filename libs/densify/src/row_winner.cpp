@@ -11,21 +11,56 @@
 namespace cf {
 namespace {
 
-constexpr Lanes kOrder = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 constexpr PathCost kNone = 0xFF;
 
-/// Index of the least of the sums; of several, the first.
-CF_INLINE int winnerOf(const PathCost* sum, int n) {
-  int winner = 0;
-  Cost least = INT16_MAX;
-  for (int d = 0; d < n; d += kLanes) {
-    const Lanes wide = __builtin_convertvector(load<ByteLanes>(sum + d), Lanes);
-    const Cost best = leastOf(wide * kLanes + kOrder);
-    if (best / kLanes >= least) continue;
-    least = static_cast<Cost>(best / kLanes);
-    winner = d + best % kLanes;
+using Ints = std::int32_t __attribute__((vector_size(4 * kLanes)));
+using Floats = float __attribute__((vector_size(4 * kLanes)));
+
+/// Of sixteen pixels side by side, a lane each: the least sum, where it is (of several, the first)
+/// by block of sixteen disparities and place in it, and the sums beside it.
+struct Winners {
+  ByteLanes block, place, least, below, above;
+};
+
+/// Sums of sixteen pixels at sixteen disparities, turned: sums[d] has a lane for each pixel.
+CF_INLINE void transpose(ByteLanes* sums) {
+  ByteLanes turned[kLanes];
+  for (int round = 0; round < 4; ++round) {
+    for (int k = 0; k < kLanes / 2; ++k) {
+      const ByteLanes a = sums[k], b = sums[k + kLanes / 2];
+      turned[2 * k] = CF_SHUFFLE2(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+      turned[2 * k + 1] =
+          CF_SHUFFLE2(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+    }
+    for (int k = 0; k < kLanes; ++k) sums[k] = turned[k];
   }
-  return winner;
+}
+
+/// `pixels` up to sixteen, `n` sums each.
+CF_INLINE Winners winnersOf(const PathCost* sum, int pixels, int n) {
+  Winners w;
+  w.block = w.place = w.below = w.above = ByteLanes{};
+  w.least = ByteLanes{} + kNone;
+  ByteLanes last = w.least, block{};
+  ByteLanes just_won{};  // the sum above the winner comes next
+  for (int first = 0; first < n; first += kLanes, block += 1) {
+    const ByteLanes before = w.least;
+    ByteLanes sums[kLanes];
+    for (int i = 0; i < kLanes; ++i)
+      sums[i] = load<ByteLanes>(sum + std::min(i, pixels - 1) * n + first);
+    transpose(sums);
+    for (int d = 0; d < kLanes; ++d) {
+      const ByteLanes here = sums[d];
+      w.above = just_won ? here : w.above;
+      just_won = here < w.least;
+      w.least = lesser(here, w.least);
+      w.place = just_won ? ByteLanes{} + static_cast<PathCost>(d) : w.place;
+      w.below = just_won ? last : w.below;
+      last = here;
+    }
+    w.block = w.least < before ? block : w.block;
+  }
+  return w;
 }
 
 /// The least sums that the partner's pixels see. `least` runs from right to left, so that it is
@@ -89,20 +124,31 @@ CF_CLONES void winners(const PathCost* sum, const RowLayout& layout, int partner
                        const PathCost* least, std::int16_t* disparity) {
   for (const PixelRun& run : layout.runs) {
     const int n = run.count;
-    const PathCost* s = sum + run.cells;
-    for (int u = run.first; u < run.end; ++u, s += n) {
-      const int d = winnerOf(s, n), x = u - run.min - d;
-      if (x < 0 || x >= partner_width) continue;
-      if (d == 0 || d == n - 1) continue;  // the minimum may lie beyond
-      // The partner's best is this pixel or one beside it.
-      const PathCost best = least[partner_width - 1 - x];
-      if (s[d] != best && !(u + 1 < run.end && s[n + d + 1] == best) &&
-          !(u > run.first && s[d - 1 - n] == best)) {
-        continue;
+    for (int first = run.first; first < run.end; first += kLanes) {
+      const int pixels = std::min(kLanes, run.end - first);
+      const PathCost* s = sum + run.cell(first);
+      const Winners w = winnersOf(s, pixels, n);
+      // Sub-pixel by the parabola through the least: ratios of small whole numbers, exact in
+      // floats.
+      const Ints best = __builtin_convertvector(w.least, Ints);
+      const Ints below = __builtin_convertvector(w.below, Ints) - best;
+      const Ints above = __builtin_convertvector(w.above, Ints) - best;
+      const Ints both = below + above;
+      const Floats ratio = __builtin_convertvector(8 * (below - above), Floats) /
+                           __builtin_convertvector(both > 0 ? both : Ints{} + 1, Floats);
+      const Ints at =
+          kLanes * __builtin_convertvector(w.block, Ints) + __builtin_convertvector(w.place, Ints);
+      const Ints found = 16 * (run.min + at) + __builtin_convertvector(ratio, Ints);
+      for (int i = 0; i < pixels; ++i, s += n) {
+        const int u = first + i, d = at[i], x = u - run.min - d;
+        if (x < 0 || x >= partner_width) continue;
+        if (d == 0 || d == n - 1) continue;  // the minimum may lie beyond
+        // The partner's best is this pixel or one beside it.
+        const PathCost partners = least[partner_width - 1 - x];
+        const bool same = (s[d] == partners) | (u + 1 < run.end && s[n + d + 1] == partners) |
+                          (u > run.first && s[d - 1 - n] == partners);
+        disparity[u] = same ? static_cast<std::int16_t>(found[i]) : kNoDisparity;
       }
-      const int left = s[d - 1] - s[d], right = s[d + 1] - s[d];
-      const int part = left + right > 0 ? (16 * (left - right)) / (2 * (left + right)) : 0;
-      disparity[u] = static_cast<std::int16_t>(16 * (run.min + d) + part);
     }
   }
 }
