@@ -49,7 +49,9 @@ TEST_F(StockTools, InfoListsSensorsTimesAndImages) {
   EXPECT_TRUE(contains(out, "Found external storage directory: uav_Images")) << out;
   EXPECT_TRUE(contains(out, "CAMERA, CAMERA_GIMBAL, GPS")) << out;
   EXPECT_TRUE(contains(out, "2016/06/23,16:31:59.000000 UTC")) << out;
-  EXPECT_TRUE(contains(out, ": 25")) << "photo, note, attitude, fix, note, five times\n" << out;
+  EXPECT_TRUE(contains(out, ": 26"))
+      << "photo, note, attitude, fix, note, five times, and the end\n"
+      << out;
 }
 
 TEST_F(StockTools, ListImagesNamesEveryPhoto) {

@@ -52,6 +52,7 @@ void set(Note& note, const std::string& key, const std::string& value) {
   if (key == "k2_sigma") note.k2_sigma = number(value, 0, kMost);
   if (key == "height_above_ground_m") note.height_above_ground_m = number(value, -kMost, kMost);
   if (key == "datum") note.datum = datumFromText(value);
+  if (key == "end") note.end = value == "1";
   if (key == "camera_version") {
     const std::optional<double> version = number(value, 0, kMost);
     if (version) note.camera_version = static_cast<unsigned>(*version);
@@ -71,7 +72,7 @@ std::string noteText(const Note& note) {
   const auto line = [&text](const char* key, const auto& value) {
     text += fmt::format("{} = {}\n", key, value);  // shortest form that reads back exactly
   };
-  line("sensor", note.sensor);
+  if (!note.sensor.empty()) line("sensor", note.sensor);
   if (!note.image.empty()) line("image", note.image);
   if (note.name) line("name", *note.name);
   if (note.focal_sigma_px) line("focal_sigma_px", *note.focal_sigma_px);
@@ -83,6 +84,7 @@ std::string noteText(const Note& note) {
     line("sigma_enu_m", fmt::format("{} {} {}", note.sigma_enu_m->x(), note.sigma_enu_m->y(),
                                     note.sigma_enu_m->z()));
   if (note.datum) line("datum", name(*note.datum));
+  if (note.end) line("end", 1);
   return text;
 }
 

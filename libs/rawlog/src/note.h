@@ -25,6 +25,8 @@ struct Note {
   // of a fix
   std::optional<Eigen::Vector3d> sigma_enu_m;
   std::optional<HeightDatum> datum;
+  // of the rawlog
+  bool end = false;  ///< nothing follows
 };
 
 std::string noteText(const Note& note);

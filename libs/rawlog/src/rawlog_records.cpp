@@ -44,11 +44,26 @@ bool mayBeObservation(std::string_view name) {
 
 }  // namespace
 
-RawlogRecords::RawlogRecords(const std::filesystem::path& rawlog) {
+RawlogRecords::RawlogRecords(const std::filesystem::path& rawlog)
+    : name_(rawlog.filename().string()) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(rawlog, ignored)) file_.reset(gzopen(rawlog.c_str(), "rb"));
   if (!file_)
     throw RunError(fmt::format("{} cannot be read: there is no such rawlog", rawlog.string()));
+}
+
+/// If all was read: from where something may follow.
+void RawlogRecords::lookAgain() {
+  if (!at_end_ || at_ < buffer_.size()) return;
+  if (cut_short_) {
+    at_ = cut_short_->at;
+    failed_in_a_row_ = cut_short_->failed_in_a_row;
+    counts_ = std::move(cut_short_->counts);
+    cut_short_.reset();
+  }
+  counts_.breaks_off = false;
+  gzclearerr(file_.get());
+  at_end_ = false;
 }
 
 /// A whole record, if it is one, lies in the buffer afterwards.
@@ -65,7 +80,12 @@ void RawlogRecords::fill() {
   }
   int code = Z_OK;
   gzerror(file_.get(), &code);
-  if (code != Z_OK) counts_.breaks_off = true;
+  stream_broken_ = code != Z_OK;
+}
+
+/// What begins here may be a record that the file holds a part of.
+void RawlogRecords::cutShortHere() {
+  if (!cut_short_) cut_short_ = Place{at_, failed_in_a_row_, counts_};
 }
 
 bool RawlogRecords::headerHere(Header& header) {
@@ -76,7 +96,7 @@ bool RawlogRecords::headerHere(Header& header) {
   std::string_view name(buffer_.data() + at_ + 1, std::min(length, left));
   if (!mayBeObservation(name)) return false;
   if (left <= length) {  // the file ends here: no other way to have less than a whole record
-    cut_short_ = true;
+    cutShortHere();
     return false;
   }
   if (startsWith(name, kNamespace)) name.remove_prefix(kNamespace.size());
@@ -96,18 +116,19 @@ mrpt::serialization::CSerializable::Ptr RawlogRecords::parse() {
     failed_in_a_row_ = 0;
     return object;
   } catch (const std::exception&) {
-    ++failed_in_a_row_;
-    if (input.holdsPixels())
+    if (input.ranOut() && at_end_ && !input.holdsPixels())
+      cutShortHere();
+    else if (input.holdsPixels())
       ++counts_.with_pixels;
-    else if (input.ranOut() && at_end_)
-      cut_short_ = true;
     else
       ++counts_.damaged;
+    ++failed_in_a_row_;
     return nullptr;
   }
 }
 
 mrpt::serialization::CSerializable::Ptr RawlogRecords::next() {
+  lookAgain();
   Header header;
   for (fill(); at_ < buffer_.size(); fill()) {
     if (failed_in_a_row_ == kMostFailures) {
@@ -125,14 +146,36 @@ mrpt::serialization::CSerializable::Ptr RawlogRecords::next() {
     } else if (header.version < known->second) {
       ++counts_.outdated;
     } else if (auto object = parse()) {
-      if (std::exchange(cut_short_, false)) ++counts_.damaged;  // it was not the end
+      if (cut_short_) ++counts_.damaged;  // it was not the end
+      cut_short_.reset();
       ++counts_.read;
       return object;
     }
     at_ += header.size;
   }
-  counts_.breaks_off |= cut_short_;
+  counts_.breaks_off |= cut_short_.has_value() || stream_broken_;
   return nullptr;
+}
+
+std::vector<std::string> RawlogRecords::warnings() const {
+  std::vector<std::string> all;
+  if (counts_.breaks_off)
+    all.push_back(
+        fmt::format("{} breaks off after {} records: the rest is lost", name_, counts_.read));
+  if (counts_.damaged != 0)
+    all.push_back(fmt::format("{}: {} damaged records are left out", name_, counts_.damaged));
+  if (counts_.with_pixels != 0)
+    all.push_back(fmt::format(
+        "{}: {} images are stored inside the rawlog and left out: store them externally", name_,
+        counts_.with_pixels));
+  if (counts_.outdated != 0)
+    all.push_back(fmt::format(
+        "{}: {} records of an MRPT older than 1.4 are left out: write it anew with rawlog-edit",
+        name_, counts_.outdated));
+  if (!counts_.other_classes.empty())
+    all.push_back(fmt::format("{}: records of other classes are not used: {}", name_,
+                              fmt::join(counts_.other_classes, ", ")));
+  return all;
 }
 
 }  // namespace cf

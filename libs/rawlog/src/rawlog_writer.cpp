@@ -3,16 +3,18 @@
 #include "cf/rawlog/rawlog_writer.h"
 
 #include <fmt/format.h>
-#include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/system/datetime.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <system_error>
+#include <utility>
 
 #include "cf/base/error.h"
 #include "mrpt_time.h"
@@ -76,6 +78,29 @@ mrpt::obs::CObservationGPS mrptGps(const GnssFix& fix) {
   return gps;
 }
 
+/// A compressed file that MRPT's archives write to.
+class GzOutput {
+ public:
+  /// False if it cannot be written.
+  bool open(const std::filesystem::path& path) {
+    file_ = gzopen(path.c_str(), "wb6");
+    return file_ != nullptr;
+  }
+  bool isOpen() const { return file_ != nullptr; }
+  bool flush() { return gzflush(file_, Z_SYNC_FLUSH) == Z_OK; }
+  bool close() { return gzclose_w(std::exchange(file_, nullptr)) == Z_OK; }
+
+  std::size_t Write(const void* from, std::size_t bytes) {
+    return static_cast<std::size_t>(
+        std::max(0, gzwrite(file_, from, static_cast<unsigned>(bytes))));
+  }
+  std::size_t Read(void*, std::size_t) { return 0; }
+  std::string getStreamDescription() const { return "rawlog"; }
+
+ private:
+  gzFile file_ = nullptr;
+};
+
 }  // namespace
 
 std::filesystem::path imagesFolderOf(const std::filesystem::path& rawlog) {
@@ -85,16 +110,23 @@ std::filesystem::path imagesFolderOf(const std::filesystem::path& rawlog) {
 struct RawlogWriter::Impl {
   std::filesystem::path path, unfinished, images;
   RawlogLabels labels;
-  mrpt::io::CFileGZOutputStream file;
+  bool at_once = false;
+  GzOutput file;
+  TimeNs last = 0;
+
+  [[noreturn]] void fail() const {
+    throw RunError(fmt::format("{} cannot be written: is the disk full?", unfinished.string()));
+  }
 
   void put(mrpt::obs::CObservation& observation, TimeNs time, const std::string& label) {
     observation.timestamp = mrptTime(time);
     observation.sensorLabel = label;
+    last = time;
     auto archive = mrpt::serialization::archiveFrom(file);
     try {
       archive << observation;
-    } catch (const std::exception& e) {
-      throw RunError(fmt::format("{} cannot be written: is the disk full?", unfinished.string()));
+    } catch (const std::exception&) {
+      fail();
     }
   }
   void put(Note note, TimeNs time, const std::string& label) {
@@ -105,21 +137,23 @@ struct RawlogWriter::Impl {
   }
 };
 
-RawlogWriter::RawlogWriter(const std::filesystem::path& rawlog, const RawlogLabels& labels)
+RawlogWriter::RawlogWriter(const std::filesystem::path& rawlog, const RawlogLabels& labels,
+                           Visible visible)
     : impl_(std::make_unique<Impl>()) {
   impl_->path = rawlog;
-  impl_->unfinished = rawlog.string() + ".part";
+  impl_->at_once = visible == Visible::kAtOnce;
+  impl_->unfinished = rawlog.string() + (impl_->at_once ? "" : ".part");
   impl_->images = imagesFolderOf(rawlog);
   impl_->labels = labels;
-  constexpr int kCompression = 6;
-  if (!impl_->file.open(impl_->unfinished.string(), kCompression))
+  if (!impl_->file.open(impl_->unfinished))
     throw RunError(
         fmt::format("{} cannot be written: is its folder there and writable?", rawlog.string()));
 }
 
 RawlogWriter::~RawlogWriter() {
-  if (!impl_->file.is_open()) return;
+  if (!impl_->file.isOpen()) return;
   impl_->file.close();
+  if (impl_->at_once) return;
   std::error_code ignored;
   std::filesystem::remove(impl_->unfinished, ignored);
 }
@@ -160,8 +194,16 @@ void RawlogWriter::write(const GnssFix& fix) {
   impl_->put(note, fix.time, impl_->labels.gnss_label);
 }
 
+void RawlogWriter::flush() {
+  if (!impl_->file.flush()) impl_->fail();
+}
+
 void RawlogWriter::finish() {
-  impl_->file.close();
+  Note note;
+  note.end = true;
+  impl_->put(note, impl_->last, {});
+  if (!impl_->file.close()) impl_->fail();
+  if (impl_->at_once) return;
   std::error_code failed;
   std::filesystem::rename(impl_->unfinished, impl_->path, failed);
   if (failed)

@@ -22,13 +22,17 @@ std::filesystem::path imagesFolderOf(const std::filesystem::path& rawlog);
 
 /// Writes one UAV's recording as an MRPT rawlog (docs/rawlog.md), gzip-compressed. Records should
 /// be written in time order; MRPT keeps times in units of 100 ns, to which they are rounded down.
-/// The file appears under its name only when finish() has succeeded.
 class RawlogWriter {
  public:
+  enum class Visible {
+    kWhenFinished,  ///< the file appears under its name when finish() has succeeded
+    kAtOnce         ///< and grows there for others to follow: each flush() is on disk
+  };
   /// Throws RunError if the file cannot be written.
   explicit RawlogWriter(const std::filesystem::path& rawlog,
-                        const RawlogLabels& labels = {"CAMERA", "GPS"});
-  /// Without finish() the unfinished file is removed.
+                        const RawlogLabels& labels = {"CAMERA", "GPS"},
+                        Visible visible = Visible::kWhenFinished);
+  /// Without finish() a file that is not visible yet is removed.
   ~RawlogWriter();
   RawlogWriter(const RawlogWriter&) = delete;
   RawlogWriter& operator=(const RawlogWriter&) = delete;
@@ -37,7 +41,10 @@ class RawlogWriter {
   /// it need not exist yet.
   void write(const ImageFrame& photo);
   void write(const GnssFix& fix);
-  /// Closes the file and gives it its name. Throws RunError if it could not be written completely.
+  /// Everything written is in the file afterwards.
+  void flush();
+  /// Notes that nothing follows, closes the file and gives it its name. Throws RunError if it could
+  /// not be written completely.
   void finish();
 
  private:
