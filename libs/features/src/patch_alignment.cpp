@@ -8,13 +8,17 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <opencv2/imgproc.hpp>
+
+#include "plane.h"
 
 namespace cf {
 namespace {
 
 constexpr int kRadius = 8;  ///< of a patch [px]
 constexpr int kSide = 2 * kRadius + 1, kArea = kSide * kSide;
+constexpr int kLanes = 16, kPadded = (kArea + kLanes - 1) / kLanes * kLanes;
 constexpr int kRim = kSide + 2;  ///< side with one more pixel around, for gradients
 constexpr int kMaxIterations = 12;
 constexpr double kConverged = 0.003;  ///< last step [px]
@@ -26,10 +30,30 @@ constexpr int kParameters = 8;
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using Normal = Eigen::Matrix<double, kParameters, kParameters>;
 
+/// A number for each pixel of a patch, row by row, and nothing of use beyond them.
+using Pixels = std::array<float, kPadded>;
+using Lanes = float __attribute__((vector_size(sizeof(float) * kLanes)));
+
+[[gnu::always_inline]] inline Lanes load(const float* from) {
+  Lanes lanes;
+  std::memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+
+/// Always in the same order.
+[[gnu::always_inline]] inline float sumOf(const Lanes& lanes) {
+  float sums[kLanes];
+  std::memcpy(sums, &lanes, sizeof sums);
+  for (int half = kLanes / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) sums[i] += sums[i + half];
+  return sums[0];
+}
+
 /// Weight of each pixel: what is far from the middle matters less, it may lie at another depth.
-const std::array<float, kArea>& window() {
-  static const std::array<float, kArea> weights = [] {
-    std::array<float, kArea> w;
+/// Zero beyond the patch.
+const Pixels& window() {
+  static const Pixels weights = [] {
+    Pixels w{};
     double sum = 0;
     for (int y = -kRadius; y <= kRadius; ++y)
       for (int x = -kRadius; x <= kRadius; ++x)
@@ -41,6 +65,40 @@ const std::array<float, kArea>& window() {
     return w;
   }();
   return weights;
+}
+
+/// Weighted mean and variance.
+CF_CLONES void meanAndVariance(const float* weights, const float* values, float* out) {
+  Lanes sum{}, squares{};
+  for (int i = 0; i < kPadded; i += kLanes) sum += load(weights + i) * load(values + i);
+  const float mean = sumOf(sum);
+  for (int i = 0; i < kPadded; i += kLanes) {
+    const Lanes apart = load(values + i) - mean;
+    squares += load(weights + i) * apart * apart;
+  }
+  out[0] = mean;
+  out[1] = sumOf(squares);
+}
+
+/// Sums of the products of `count` patches, one after the other, with another.
+CF_CLONES void sumsOfProducts(const float* patches, int count, const float* other, float* out) {
+  for (int k = 0; k < count; ++k, patches += kPadded) {
+    Lanes sum{};
+    for (int i = 0; i < kPadded; i += kLanes) sum += load(patches + i) * load(other + i);
+    out[k] = sumOf(sum);
+  }
+}
+
+/// (seen - mean) * gain + level - wanted, and the weighted sum of its squares.
+CF_CLONES float differ(const float* weights, const float* seen, const float* wanted, float mean,
+                       float gain, float level, float* difference) {
+  Lanes squares{};
+  for (int i = 0; i < kPadded; i += kLanes) {
+    const Lanes d = (load(seen + i) - mean) * gain + level - load(wanted + i);
+    squares += load(weights + i) * d * d;
+    std::memcpy(difference + i, &d, sizeof d);
+  }
+  return sumOf(squares);
 }
 
 /// Grey values of `side` x `side` pixels around `middle`, warped by A; false beyond the border.
@@ -78,12 +136,10 @@ struct Moments {
   double mean = 0, deviation = 0;
 };
 
-Moments momentsOf(const std::array<float, kArea>& values) {
-  const auto& w = window();
-  float mean = 0, square = 0;
-  for (std::size_t i = 0; i < kArea; ++i) mean += w[i] * values[i];
-  for (std::size_t i = 0; i < kArea; ++i) square += w[i] * (values[i] - mean) * (values[i] - mean);
-  return {static_cast<double>(mean), std::sqrt(static_cast<double>(square))};
+Moments momentsOf(const Pixels& values) {
+  float moments[2];
+  meanAndVariance(window().data(), values.data(), moments);
+  return {static_cast<double>(moments[0]), std::sqrt(static_cast<double>(moments[1]))};
 }
 
 /// The reference patch, its derivatives by the parameters, and their normal equations.
@@ -101,48 +157,47 @@ class Template {
         const float gy = (grey(x, y + 1) - grey(x, y - 1)) / 2;
         const auto dx = static_cast<float>(x - 1 - kRadius),
                    dy = static_cast<float>(y - 1 - kRadius);
-        derivatives[0][i] = gx;
-        derivatives[1][i] = gy;
-        derivatives[2][i] = gx * dx;
-        derivatives[3][i] = gx * dy;
-        derivatives[4][i] = gy * dx;
-        derivatives[5][i] = gy * dy;
-        derivatives[7][i] = 1;
+        derivatives_[0][i] = gx;
+        derivatives_[1][i] = gy;
+        derivatives_[2][i] = gx * dx;
+        derivatives_[3][i] = gx * dy;
+        derivatives_[4][i] = gy * dx;
+        derivatives_[5][i] = gy * dy;
+        derivatives_[7][i] = 1;
       }
     moments = momentsOf(values);
     if (moments.deviation < 2) return false;  // grey values: nothing but noise
-    for (i = 0; i < kArea; ++i) derivatives[6][i] = values[i] - static_cast<float>(moments.mean);
+    for (i = 0; i < kArea; ++i) derivatives_[6][i] = values[i] - static_cast<float>(moments.mean);
     const auto& w = window();
     for (std::size_t a = 0; a < kParameters; ++a)
-      for (std::size_t b = 0; b <= a; ++b) {
-        float sum = 0;
-        for (i = 0; i < kArea; ++i) sum += w[i] * derivatives[a][i] * derivatives[b][i];
-        normal(static_cast<int>(a), static_cast<int>(b)) =
-            normal(static_cast<int>(b), static_cast<int>(a)) = static_cast<double>(sum);
-      }
+      for (i = 0; i < kPadded; ++i) weighted_[a][i] = w[i] * derivatives_[a][i];
+    Normal normal;
+    for (std::size_t a = 0; a < kParameters; ++a) {
+      std::array<float, kParameters> sums;
+      const int count = static_cast<int>(a) + 1;
+      sumsOfProducts(weighted_[0].data(), count, derivatives_[a].data(), sums.data());
+      for (int b = 0; b < count; ++b)
+        normal(static_cast<int>(a), b) = normal(b, static_cast<int>(a)) =
+            static_cast<double>(sums[static_cast<std::size_t>(b)]);
+    }
     factors.compute(normal);
     return factors.info() == Eigen::Success;
   }
 
-  /// Step of the parameters that explains the grey values best, and the weighted sum of squares.
-  Parameters step(const std::array<float, kArea>& difference) const {
-    const auto& w = window();
-    Parameters right;
-    for (std::size_t a = 0; a < kParameters; ++a) {
-      float sum = 0;
-      for (std::size_t i = 0; i < kArea; ++i) sum += w[i] * derivatives[a][i] * difference[i];
-      right[static_cast<int>(a)] = static_cast<double>(sum);
-    }
-    return factors.solve(right);
+  /// Step of the parameters that explains the grey values best.
+  Parameters step(const Pixels& difference) const {
+    std::array<float, kParameters> right;
+    sumsOfProducts(weighted_[0].data(), kParameters, difference.data(), right.data());
+    return factors.solve(
+        Eigen::Map<Eigen::Matrix<float, kParameters, 1>>(right.data()).cast<double>());
   }
 
-  std::array<float, kArea> values;
+  Pixels values{};
   Moments moments;
   Eigen::LLT<Normal> factors;
 
  private:
-  std::array<std::array<float, kArea>, kParameters> derivatives;
-  Normal normal;
+  std::array<Pixels, kParameters> derivatives_{}, weighted_;
 };
 
 }  // namespace
@@ -164,19 +219,15 @@ std::optional<AlignedPatch> alignPatch(const cv::Mat& reference, const Eigen::Ve
   if (!patch.take(reference, at)) return std::nullopt;
   Eigen::Vector2d middle = start;
   Eigen::Matrix2d A = A_target_reference;
-  std::array<float, kArea> seen, difference;
+  Pixels seen{}, difference;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     if (!sample(target, middle, A, kSide, seen.data())) return std::nullopt;
     const Moments m = momentsOf(seen);
     if (m.deviation < 1) return std::nullopt;
     const auto gain = static_cast<float>(patch.moments.deviation / m.deviation);
-    const auto mean = static_cast<float>(m.mean), level = static_cast<float>(patch.moments.mean);
-    float squares = 0;
-    const auto& w = window();
-    for (std::size_t i = 0; i < kArea; ++i) {
-      difference[i] = (seen[i] - mean) * gain + level - patch.values[i];
-      squares += w[i] * difference[i] * difference[i];
-    }
+    const float squares =
+        differ(window().data(), seen.data(), patch.values.data(), static_cast<float>(m.mean), gain,
+               static_cast<float>(patch.moments.mean), difference.data());
     const Parameters d = patch.step(difference);
     Eigen::Matrix2d D;
     D << 1 + d[2], d[3], d[4], 1 + d[5];
