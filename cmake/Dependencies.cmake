@@ -42,6 +42,9 @@ add_library(cf_octomap INTERFACE)
 target_link_libraries(cf_octomap INTERFACE ${OCTOMAP_LIBRARIES})
 target_include_directories(cf_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
 
+# libjpeg-turbo: its own colour orders are used.
+find_package(JPEG REQUIRED)
+
 find_path(CF_ZSTD_INCLUDE_DIR zstd.h REQUIRED)
 find_library(CF_ZSTD_LIBRARY zstd REQUIRED)
 add_library(cf_zstd INTERFACE)

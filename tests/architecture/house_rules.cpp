@@ -32,7 +32,7 @@ const std::map<std::string, Lib> kLibs = {
     {"geometry", {2, {"opencv", "ceres"}}},
     {"geodesy", {2, {"geographiclib"}}},
     {"rawlog", {2, {"mrpt", "zlib"}}},
-    {"formats", {2, {"opencv", "pcl", "gdal", "json", "protobuf", "zlib", "zstd"}}},
+    {"formats", {2, {"opencv", "pcl", "gdal", "json", "protobuf", "zlib", "zstd", "jpeg"}}},
     {"config", {2, {"mrpt", "json"}}},
     {"odometry", {3, {"opencv", "ceres", "tbb"}}},
     {"georeference", {3, {"opencv", "ceres", "mrpt", "tbb"}}},
@@ -59,6 +59,7 @@ const std::vector<Origin> kIncludes = {
     {std::regex("immintrin\\.h"), "standard"},  // the compiler's own
     {std::regex("zlib\\.h"), "zlib"},
     {std::regex("zstd\\.h"), "zstd"},
+    {std::regex("jpeglib\\.h"), "jpeg"},
     {std::regex("google/protobuf/.*"), "protobuf"},
     {std::regex(
          "(dirent|dlfcn|fcntl|malloc|poll|pthread|sched|signal|stdlib|string|time|unistd)\\.h"),
@@ -96,6 +97,7 @@ const std::vector<Origin> kTargets = {
     {std::regex("CLI11::CLI11"), "cli11"},
     {std::regex("ZLIB::ZLIB"), "zlib"},
     {std::regex("cf_zstd"), "zstd"},
+    {std::regex("JPEG::JPEG"), "jpeg"},
     {std::regex("protobuf::.*"), "protobuf"},
     {std::regex("embree"), "embree"},
 };

@@ -6,15 +6,14 @@
 
 #include <cstdint>
 #include <cstring>
-#include <opencv2/imgcodecs.hpp>
 #include <string_view>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "cf/base/error.h"
 #include "cf/formats/atomic_file.h"
 #include "cf/formats/image_header.h"
+#include "cf/formats/jpeg.h"
 #include "disparity_code.h"
 #include "file_bytes.h"
 
@@ -136,15 +135,10 @@ void codeFields(Coder& code, Frame& frame) {
 cv::Mat decodedColour(std::string_view jpeg, cv::Size size) {
   const auto* bytes = reinterpret_cast<const uchar*>(jpeg.data());
   const auto told = imageSizeOf(bytes, jpeg.size());
-  if (jpeg.substr(0, 2) != "\xFF\xD8" || !told ||
-      told->width != static_cast<unsigned>(size.width) ||
+  if (!told || told->width != static_cast<unsigned>(size.width) ||
       told->height != static_cast<unsigned>(size.height))
     return {};
-  try {
-    return cv::imdecode(std::vector<uchar>(bytes, bytes + jpeg.size()), cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    return {};
-  }
+  return decodeJpeg(bytes, jpeg.size());
 }
 
 }  // namespace
@@ -157,9 +151,7 @@ std::string encodeDepthFrame(const DepthFrame& frame) {
   for (const auto* part : {&code.residuals, &code.surprises, &code.confidences}) {
     encode(std::string_view(*part));
   }
-  std::vector<uchar> jpeg;
-  cv::imencode(".jpg", frame.colour, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-  encode(std::string_view(reinterpret_cast<const char*>(jpeg.data()), jpeg.size()));
+  encode(std::string_view(encodeJpeg(frame.colour, kJpegQuality)));
   return encode.finish();
 }
 

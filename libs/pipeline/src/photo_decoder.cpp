@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "cf/formats/image_header.h"
+#include "cf/formats/jpeg.h"
 
 namespace cf {
 namespace {
@@ -26,7 +27,7 @@ std::size_t lastMarker(const std::vector<std::uint8_t>& bytes, std::uint8_t mark
 }
 
 bool isJpeg(const std::vector<std::uint8_t>& bytes) {
-  return bytes.size() >= 4 && bytes[0] == 0xFF && bytes[1] == 0xD8;
+  return cf::isJpeg(bytes.data(), bytes.size());
 }
 
 /// OpenCV decodes a JPEG that breaks off to grey without a word: there must be an end of image
@@ -73,6 +74,18 @@ struct Decoded {
   bool reduced = false;
 };
 
+/// Of another format; empty where it cannot be.
+cv::Mat decodeOther(const std::vector<std::uint8_t>& bytes, int reduction) {
+  const int flag = reduction == 4   ? cv::IMREAD_REDUCED_COLOR_4
+                   : reduction == 2 ? cv::IMREAD_REDUCED_COLOR_2
+                                    : cv::IMREAD_COLOR;
+  try {
+    return cv::imdecode(bytes, flag | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
 Result<Decoded> decode(const ImageFrame& photo, double megapixels) {
   auto read = bytesOf(photo.file);
   if (!read) return read.failure();
@@ -86,15 +99,10 @@ Result<Decoded> decode(const ImageFrame& photo, double megapixels) {
     if (!objection.empty()) return damaged(objection);
     full = 1e-6 * size->width * size->height;
   }
-  const int scale = full / 16 >= megapixels  ? cv::IMREAD_REDUCED_COLOR_4
-                    : full / 4 >= megapixels ? cv::IMREAD_REDUCED_COLOR_2
-                                             : cv::IMREAD_COLOR;
-  out.reduced = scale != cv::IMREAD_COLOR;
-  try {
-    out.image = cv::imdecode(bytes, scale | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-    out.image.release();
-  }
+  const int reduction = full / 16 >= megapixels ? 4 : full / 4 >= megapixels ? 2 : 1;
+  out.reduced = reduction > 1;
+  out.image = isJpeg(bytes) ? decodeJpeg(bytes.data(), bytes.size(), reduction)
+                            : decodeOther(bytes, reduction);
   if (out.image.empty()) return damaged("file cannot be decoded");
   return out;
 }
@@ -110,10 +118,11 @@ Result<cv::Mat> decodePhoto(const ImageFrame& photo, double megapixels) {
 Result<TakenPhoto> takePhoto(const ImageFrame& photo, double megapixels) {
   auto decoded = decode(photo, megapixels);
   if (!decoded) return decoded.failure();
-  std::vector<std::uint8_t>& file = decoded.value().file;
-  if (decoded.value().reduced || !isJpeg(file))
-    cv::imencode(".jpg", decoded.value().image, file, {cv::IMWRITE_JPEG_QUALITY, kReducedQuality});
-  return TakenPhoto{decoded.value().image, std::string(file.begin(), file.end())};
+  const std::vector<std::uint8_t>& file = decoded.value().file;
+  const cv::Mat& image = decoded.value().image;
+  const bool as_it_is = !decoded.value().reduced && isJpeg(file);
+  return TakenPhoto{
+      image, as_it_is ? std::string(file.begin(), file.end()) : encodeJpeg(image, kReducedQuality)};
 }
 
 }  // namespace cf

@@ -4,11 +4,14 @@
 
 #include <fmt/format.h>
 
-#include <opencv2/imgcodecs.hpp>
+#include <algorithm>
+#include <fstream>
 #include <utility>
+#include <vector>
 
 #include "cf/base/error.h"
 #include "cf/formats/atomic_file.h"
+#include "cf/formats/jpeg.h"
 
 namespace cf {
 
@@ -36,8 +39,7 @@ cv::Mat PhotoStore::get(FrameId photo) {
   const auto decoded = std::make_shared<Decoded>();
   found->second = {decoded, uses_.begin()};
   lock.unlock();
-  cv::Mat image =
-      cv::imread(file(photo).string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  cv::Mat image = read(photo, 1);
   lock.lock();
   decoded->image = std::move(image);
   decoded->ready = true;
@@ -55,14 +57,18 @@ void PhotoStore::leaveMemory() {
   uses_.clear();
 }
 
-cv::Mat PhotoStore::half(FrameId photo) const {
-  return cv::imread(file(photo).string(),
-                    cv::IMREAD_REDUCED_COLOR_2 | cv::IMREAD_IGNORE_ORIENTATION);
-}
+cv::Mat PhotoStore::half(FrameId photo) const { return read(photo, 2); }
 
-cv::Mat PhotoStore::eighth(FrameId photo) const {
-  return cv::imread(file(photo).string(),
-                    cv::IMREAD_REDUCED_COLOR_8 | cv::IMREAD_IGNORE_ORIENTATION);
+cv::Mat PhotoStore::eighth(FrameId photo) const { return read(photo, 8); }
+
+cv::Mat PhotoStore::read(FrameId photo, int reduction) const {
+  std::ifstream in(file(photo), std::ios::binary | std::ios::ate);
+  if (!in) return {};
+  std::vector<std::uint8_t> bytes(
+      static_cast<std::size_t>(std::max<std::streamoff>(0, in.tellg())));
+  in.seekg(0);
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return in ? decodeJpeg(bytes.data(), bytes.size(), reduction) : cv::Mat();
 }
 
 std::filesystem::path PhotoStore::file(FrameId photo) const {

@@ -37,6 +37,8 @@ class PhotoStore {
   std::filesystem::path file(FrameId photo) const;
 
  private:
+  cv::Mat read(FrameId photo, int reduction) const;
+
   struct Decoded {
     cv::Mat image;
     bool ready = false;
