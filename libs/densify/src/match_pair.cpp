@@ -9,6 +9,7 @@
 #include "cf/densify/densify.h"
 #include "cf/densify/stereo_matcher.h"
 #include "cf/geometry/rectification.h"
+#include "resample.h"
 
 namespace cf {
 namespace {
@@ -42,8 +43,7 @@ Rectified rectify(const cv::Mat& image, const CameraModel& camera, const Rectifi
   for (int v = 0; v < view.height; v += kStrip) {
     const cv::Range strip(v, std::min(v + kStrip, view.height));
     const RemapTable table = remapTable(view, source_camera, strip);
-    cv::remap(source, out.image.rowRange(strip), table.fixed_xy, table.fraction, cv::INTER_LINEAR,
-              cv::BORDER_REPLICATE);
+    resample(source, table, out.image.rowRange(strip));
     table.inside.copyTo(out.inside.rowRange(strip));
   }
   return out;

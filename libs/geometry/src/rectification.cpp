@@ -15,6 +15,14 @@
 namespace cf {
 namespace {
 
+// Compiled for several instruction sets and chosen at run time: the same result from each.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define CF_CLONES
+#endif
+#define CF_INLINE inline __attribute__((always_inline))
+
 constexpr double kMaxAxisTilt = 0.7071;  // cosine between baseline and mean optical axis
 constexpr double kMaxAxisSpread = 0.5;   // cosine between the two optical axes, at least
 constexpr double kMinRayForward = 0.2;   // z of a unit ray in the rectified frame, at least
@@ -33,14 +41,38 @@ struct CommonArea {
 // The cells of a row of the remap table in the compiler's own vector notation.
 using Floats = float __attribute__((vector_size(4 * kGridStep)));
 using Integers = std::int32_t __attribute__((vector_size(4 * kGridStep)));
+using Shorts = std::uint16_t __attribute__((vector_size(2 * kGridStep)));
+using Bytes = std::uint8_t __attribute__((vector_size(kGridStep)));
 constexpr Floats kAlongCell = {0, 0.125F, 0.25F, 0.375F, 0.5F, 0.625F, 0.75F, 0.875F};
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "pairs of shorts are packed into ints");
 
 /// In 1/32 px: floor of a value shifted to the positive side.
-Integers fixedPoint(Floats v) {
+CF_INLINE Integers fixedPoint(Floats v) {
   constexpr int kOne = cv::INTER_TAB_SIZE, kShift = 16384;
   return __builtin_convertvector((v + kShift * 1.F) * (kOne * 1.F) + 0.5F, Integers) -
          kShift * kOne;
+}
+
+/// A row of the table: `line` holds its crossings with the columns of the grid, x and y each.
+CF_CLONES void tableRow(const float* line, int width, int max_x, int max_y, short* xy,
+                        ushort* fraction, uchar* inside) {
+  constexpr int kBits = cv::INTER_BITS, kOne = cv::INTER_TAB_SIZE;
+  for (int from = 0; from < width; from += kGridStep) {
+    const float* a = line + 2 * (from / kGridStep);
+    const Integers x = fixedPoint(a[0] + kAlongCell * (a[2] - a[0]));
+    const Integers y = fixedPoint(a[1] + kAlongCell * (a[3] - a[1]));
+    const Integers column = x >> kBits, row = y >> kBits;
+    const Integers cell = (row << 16) | (column & 0xFFFF);  // two shorts, the column first
+    const Integers part = ((y & (kOne - 1)) << kBits) + (x & (kOne - 1));
+    // Negative where one of them is.
+    const Integers beyond = column | row | (max_x - 1 - column) | (max_y - 1 - row);
+    const Shorts parts = __builtin_convertvector(part, Shorts);
+    const Bytes within = __builtin_convertvector(beyond >= 0, Bytes);  // true is -1
+    const auto n = static_cast<std::size_t>(std::min(kGridStep, width - from));
+    std::memcpy(xy + 2 * from, &cell, n * 2 * sizeof(short));
+    std::memcpy(fraction + from, &parts, n * sizeof(ushort));
+    std::memcpy(inside + from, &within, n);
+  }
 }
 
 bool sees(const PosedCamera& camera, const Eigen::Vector3d& p_world) {
@@ -189,37 +221,15 @@ RemapTable remapTable(const RectifiedView& view, const CameraModel& image_camera
   table.fraction.create(strip.size(), view.width, CV_16UC1);
   table.inside.create(strip.size(), view.width, CV_8UC1);
   const int max_x = image_camera.width - 1, max_y = image_camera.height - 1;
-  constexpr int kBits = cv::INTER_BITS, kOne = cv::INTER_TAB_SIZE;
   std::vector<float> line(static_cast<std::size_t>(columns) * 2);
-  std::vector<std::int32_t> fractions(static_cast<std::size_t>(columns * kGridStep));
-  std::vector<std::int32_t> beyond_edge(fractions);
   for (int v = strip.start; v < strip.end; ++v) {
     const float* above = &grid[static_cast<std::size_t>(v / kGridStep - first_row) * line.size()];
     const float* below = above + line.size();
     const float t = static_cast<float>(v % kGridStep) / kGridStep;
     for (std::size_t k = 0; k < line.size(); ++k) line[k] = above[k] + t * (below[k] - above[k]);
-    auto* xy = table.fixed_xy.ptr<short>(v - strip.start);
-    auto* fraction = table.fraction.ptr<ushort>(v - strip.start);
-    auto* inside = table.inside.ptr<uchar>(v - strip.start);
-    for (int from = 0; from < view.width; from += kGridStep) {
-      const float* a = &line[2 * static_cast<std::size_t>(from / kGridStep)];
-      const Integers x = fixedPoint(a[0] + kAlongCell * (a[2] - a[0]));
-      const Integers y = fixedPoint(a[1] + kAlongCell * (a[3] - a[1]));
-      const Integers column = x >> kBits, row = y >> kBits;
-      const Integers cell = (row << 16) | (column & 0xFFFF);  // two shorts, the column first
-      const Integers part = ((y & (kOne - 1)) << kBits) + (x & (kOne - 1));
-      // Negative where one of them is.
-      const Integers beyond = column | row | (max_x - 1 - column) | (max_y - 1 - row);
-      const auto n = static_cast<std::size_t>(std::min(kGridStep, view.width - from));
-      std::memcpy(xy + 2 * from, &cell, n * 2 * sizeof(short));
-      std::memcpy(&fractions[static_cast<std::size_t>(from)], &part, sizeof part);
-      std::memcpy(&beyond_edge[static_cast<std::size_t>(from)], &beyond, sizeof beyond);
-    }
-    for (int u = 0; u < view.width; ++u) {
-      const auto k = static_cast<std::size_t>(u);
-      fraction[u] = static_cast<ushort>(fractions[k]);
-      inside[u] = beyond_edge[k] < 0 ? 0 : 255;
-    }
+    const int row = v - strip.start;
+    tableRow(line.data(), view.width, max_x, max_y, table.fixed_xy.ptr<short>(row),
+             table.fraction.ptr<ushort>(row), table.inside.ptr<uchar>(row));
   }
   return table;
 }
