@@ -153,6 +153,17 @@ TEST_F(Follower, APhotoIsThereWhenSomethingLaterIs) {
             "out");
 }
 
+/// The last bytes of the compressed file, its checksum, may come after that.
+TEST_F(Follower, WhatHasEndedDoesNotBreakOff) {
+  const std::string bytes = recording();
+  support::writeText(path_, bytes.substr(0, bytes.size() - 4));
+  RawlogFollower follower(path_);
+  follower.poll();
+  EXPECT_TRUE(follower.ended());
+  EXPECT_TRUE(follower.finish().warnings.empty());
+  EXPECT_TRUE(readRecording(path_).warnings.empty());
+}
+
 TEST_F(Follower, OneThatNeverCame) {
   RawlogFollower follower(path_);
   EXPECT_TRUE(follower.poll().photos.empty());

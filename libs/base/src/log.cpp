@@ -4,6 +4,7 @@
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 namespace cf {
 namespace {
@@ -11,7 +12,8 @@ namespace {
 spdlog::logger& logger() {
   static const auto instance = [] {
     auto made = spdlog::stderr_logger_mt("cf");
-    made->set_pattern("%v");
+    // On a terminal a line takes the place of progress that is shown there.
+    made->set_pattern(isatty(STDERR_FILENO) != 0 ? "\r\033[J%v" : "%v");
     return made;
   }();
   return *instance;

@@ -8,9 +8,9 @@
 
 #include "cf/base/error.h"
 #include "cf/base/log.h"
-#include "cf/base/progress.h"
 #include "cf/config/config.h"
 #include "chain_steps.h"
+#include "flight_progress.h"
 #include "playback.h"
 #include "thread_limit.h"
 #include "world.h"
@@ -28,14 +28,14 @@ std::uint16_t placeOf(const std::string& name, const RunOptions& options,
 
 /// An agent sees no other UAV: what the whole cluster must share has to be known beforehand.
 World worldOf(const UavInput& input, const RunOptions& options) {
-  const auto first = firstFix(input.recording);
-  if (first && options.world.origin.empty() && input.uav != centralUav(options))
+  const auto first = input.firstFix();
+  if (first && options.world.origin.empty() && input.uav() != centralUav(options))
     throw UsageError(fmt::format(
         "the agent of {} does not know the world's origin, the first fix of {}: give [world] "
         "origin = LAT, LON, H to all agents and the central node",
-        input.name, options.cluster.center));
+        input.name(), options.cluster.center));
   std::vector<std::optional<GnssFix>> first_fixes(options.uavs.size());
-  first_fixes[input.uav] = first;
+  first_fixes[input.uav()] = first;
   return placeWorld(options, first_fixes);
 }
 
@@ -48,9 +48,10 @@ AgentSummary runAgent(Config& config, const AgentRequest& request) {
   const fs::path file = request.seam / (request.uav + ".seam");
   if (fs::exists(file) && !request.overwrite)
     throw UsageError(file.string() + " is there already; give -w to overwrite it");
-  UavInput input = readUav(config, options, uav);
-  for (const std::string& warning : input.recording.warnings)
-    logWarning(input.name + ": " + warning);
+  if (options.playback.follow_s > 0)
+    throw UsageError("--role agent plays a complete rawlog: [playback] follow_s must be 0");
+  UavInput input(config, options, uav);
+  for (const std::string& warning : input.warnings()) logWarning(input.name() + ": " + warning);
   const World world = worldOf(input, options);
   std::error_code error;
   fs::create_directories(request.seam, error);
@@ -58,14 +59,16 @@ AgentSummary runAgent(Config& config, const AgentRequest& request) {
   std::vector<UavInput> inputs;
   inputs.push_back(std::move(input));
   StageTimes times;
-  ChainSteps source(std::move(inputs), options, world.frame, times, request.seam);
-  Progress progress("localise", source.photoCount());
+  ChainSteps source(PhotoFeed(std::move(inputs), options.playback), options, world.frame, times,
+                    request.seam);
+  const std::size_t photos = source.photoCount();
+  FlightProgress progress(source, options.playback.inRealTime());
   tbb::parallel_pipeline(kStepsInFlight, source.steps() & tbb::make_filter<StepSource::Step, void>(
                                                               tbb::filter_mode::serial_in_order,
                                                               [&](const StepSource::Step& step) {
-                                                                if (step->photo) progress.advance();
+                                                                progress.advance(*step);
                                                               }));
-  return {source.photoCount(), source.bytes(), file};
+  return {photos, source.bytes(), file};
 }
 
 }  // namespace cf

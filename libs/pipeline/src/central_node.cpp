@@ -6,16 +6,16 @@
 
 namespace cf {
 
-CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center,
-                         std::vector<CameraModel> cameras, PhotoStore& store, StageTimes& times)
+CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center, std::size_t uavs,
+                         PhotoStore& store, StageTimes& times)
     : aligner_(options, center),
       update_every_(options.update_every),
-      cameras_(std::move(cameras)),
+      cameras_(uavs),
       store_(store),
       times_(times),
-      segments_(cameras_.size()),
-      gnss_(cameras_.size()),
-      online_(cameras_.size()) {}
+      segments_(uavs),
+      gnss_(uavs),
+      online_(uavs) {}
 
 const PoseTable* CentralNode::receive(ChainStep step) {
   if (step.newest) store_.put(step.newest->photo, step.jpeg);

@@ -17,9 +17,12 @@ namespace cf {
 /// a new version every `[align] update_every` keyframes, whatever the time that solving takes.
 class CentralNode {
  public:
-  /// `cameras` by UAV, as given. What is given by reference must outlive the node.
-  CentralNode(const AlignOptions& options, std::uint16_t center, std::vector<CameraModel> cameras,
+  /// What is given by reference must outlive the node.
+  CentralNode(const AlignOptions& options, std::uint16_t center, std::size_t uavs,
               PhotoStore& store, StageTimes& times);
+
+  /// A UAV's camera, as given: before its first step.
+  void introduce(std::uint16_t uav, const CameraModel& camera) { cameras_[uav] = camera; }
 
   /// Returns the new version of the map, if it has become time for one; valid until the next.
   const PoseTable* receive(ChainStep step);
@@ -29,13 +32,15 @@ class CentralNode {
   /// Each photo's pose as the cluster knew it when the photo had been processed, by UAV: carried on
   /// from the common map, or, where its segment is not in it yet, as the UAV knew it alone.
   const std::vector<std::vector<PhotoPose>>& onlineTrajectories() const { return online_; }
+  /// By UAV, as given.
+  const std::vector<CameraModel>& cameras() const { return cameras_; }
 
  private:
   std::vector<GeoSegment> segments() const;
 
   Aligner aligner_;
   const int update_every_;
-  const std::vector<CameraModel> cameras_;
+  std::vector<CameraModel> cameras_;
   PhotoStore& store_;
   StageTimes& times_;
   std::vector<std::shared_ptr<const std::vector<GeoSegment>>> segments_;  ///< by UAV

@@ -7,23 +7,25 @@
 
 #include "cf/base/stopwatch.h"
 #include "cf/formats/seam_file.h"
+#include "pacer.h"
+#include "photo_feed.h"
 #include "step_source.h"
 #include "uav_chain.h"
-#include "uav_input.h"
 
 namespace cf {
 
-/// Plays recordings side by side at [playback] rate times real time (0: as fast as possible)
-/// through their UAVs' chains. Photos are decoded and searched for features several at a time;
-/// odometry takes them up in order.
+/// Plays recordings side by side through their UAVs' chains: at [playback] rate times real time (0:
+/// as fast as possible), or, followed, as they come. Photos are decoded and searched for features
+/// several at a time; odometry takes them up in order.
 class ChainSteps : public StepSource {
  public:
   /// What crosses the seam is written to <uav>.seam in the folder, or, without one, only counted.
   /// What is given by reference must outlive it.
-  ChainSteps(std::vector<UavInput> inputs, const RunOptions& options,
-             const std::optional<LocalFrame>& world, StageTimes& times,
-             const std::filesystem::path& seam = {});
+  ChainSteps(PhotoFeed feed, const RunOptions& options, const std::optional<LocalFrame>& world,
+             StageTimes& times, const std::filesystem::path& seam = {});
 
+  std::size_t photoCount() const override { return feed_.photosKnown(); }
+  bool follows() const override { return feed_.follows(); }
   tbb::filter<void, Step> steps() override;
   std::vector<SeamDone> done() override;
   std::uint64_t bytes() const override;
@@ -31,30 +33,27 @@ class ChainSteps : public StepSource {
  private:
   /// A photo on its way through its chain.
   struct Taken {
-    Place place;
+    PhotoFeed::Item item;
     double taken_s = 0;
     std::shared_ptr<ReadyPhoto> photo;  ///< none at the UAV's end
   };
   using Photo = std::shared_ptr<Taken>;
   struct Uav {
-    UavInput input;
     UavChain chain;
     SeamWriter writer;
     SeamDone done;
-    Uav(UavInput from, const RunOptions& options, const std::optional<LocalFrame>& world,
+    Uav(const UavInput& input, const RunOptions& options, const std::optional<LocalFrame>& world,
         StageTimes& times, const std::filesystem::path& file)
-        : input(std::move(from)),
-          chain(input.recording, input.name, input.uav, world, options, times),
-          writer(file) {}
+        : chain(input.name(), input.uav(), world, options, times), writer(file) {}
   };
   Photo takeUp(tbb::flow_control& control);
   Step push(const Taken& taken);
+  ChainStep finish(std::size_t input, const std::vector<GnssFix>& fixes);
 
-  const PlaybackOptions& playback_;
+  PhotoFeed feed_;
+  const std::optional<LocalFrame>& world_;
+  Pacer pacer_;
   std::deque<Uav> uavs_;
-  std::vector<Place> order_;
-  std::size_t next_ = 0;
-  double started_s_ = 0;
 };
 
 }  // namespace cf

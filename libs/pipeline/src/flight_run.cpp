@@ -46,7 +46,8 @@ class FlightRun {
     record_.world = world_.record;
     for (const SeamHello& hello : source_->hellos()) {
       for (const std::string& warning : hello.warnings) warn(record_, hello.name + ": " + warning);
-      if (hello.photos.empty()) warn(record_, hello.name + ": it has no photo");
+      if (hello.photos.empty() && options_.playback.follow_s == 0)
+        warn(record_, hello.name + ": it has no photo");
     }
     if (photos() == 0) throw RunError("no UAV of the configuration has a photo");
     if (!world_.frame)
@@ -61,10 +62,6 @@ class FlightRun {
     const double started = wallSeconds();
     const WorkFolders folders{request_.outdir, workFolder(request_.outdir)};
     PhotoStore store(folders.work / "photos", kPhotosInMemory);
-    photos_ = source_->photos();
-    for (auto& of_uav : photos_)
-      for (ImageFrame& photo : of_uav)
-        if (photo.file.empty()) photo.file = store.file(photo.id);
     DenseMatching matching(folders.work / "depth", options_.densify, store, times_);
     const Alignment alignment = localise(store, folders);
     const DenseSummary dense =
@@ -82,13 +79,14 @@ class FlightRun {
  private:
   void playRecordings(const Config& config) {
     std::vector<UavInput> inputs;
+    for (std::size_t u = 0; u < options_.uavs.size(); ++u)
+      inputs.emplace_back(config, options_, static_cast<std::uint16_t>(u));
+    PhotoFeed feed(std::move(inputs), options_.playback);
+    if (feed.follows()) feed.awaitStart(centralUav(options_));
     std::vector<std::optional<GnssFix>> first_fixes;
-    for (std::size_t u = 0; u < options_.uavs.size(); ++u) {
-      inputs.push_back(readUav(config, options_, static_cast<std::uint16_t>(u)));
-      first_fixes.push_back(firstFix(inputs.back().recording));
-    }
+    for (const UavInput& input : feed.inputs()) first_fixes.push_back(input.firstFix());
     world_ = placeWorld(options_, first_fixes);
-    source_ = std::make_unique<ChainSteps>(std::move(inputs), options_, world_.frame, times_);
+    source_ = std::make_unique<ChainSteps>(std::move(feed), options_, world_.frame, times_);
   }
 
   void followAgents() {
@@ -110,15 +108,17 @@ class FlightRun {
 
   /// All photos through their UAVs' chains to the centre.
   Alignment localise(PhotoStore& store, const WorkFolders& folders) {
-    std::vector<CameraModel> cameras;
-    for (const SeamHello& hello : source_->hellos()) cameras.push_back(hello.camera);
+    photos_.resize(options_.uavs.size());
     const std::uint16_t center = centralUav(options_);
-    CentralNode centre(options_.align, center, cameras, store, times_);
+    CentralNode centre(options_.align, center, photos_.size(), store, times_);
     std::optional<LiveMap> live;
-    if (options_.playback.rate > 0 || options_.view.live_every_s > 0)
+    if (options_.playback.inRealTime() || options_.view.live_every_s > 0)
       live.emplace(options_, center, photos_, folders.work / "live-tiles", folders.outdir / "live",
                    store, times_);
-    taken_s_ = playFlight(*source_, options_.playback, centre, live ? &*live : nullptr);
+    playFlight(*source_, options_.playback, centre, live ? &*live : nullptr, photos_, taken_);
+    for (auto& of_uav : photos_)
+      for (ImageFrame& photo : of_uav)
+        if (photo.file.empty()) photo.file = store.file(photo.id);
     record_.warnings.insert(record_.warnings.end(), source_->warnings().begin(),
                             source_->warnings().end());
     if (live) judgeLive(*live);
@@ -136,7 +136,9 @@ class FlightRun {
       uav.segments = done[u].segments;
       uav.pose_graph = std::move(done[u].pose_graph);
       uav.online_trajectory = centre.onlineTrajectories()[u];
-      uav.camera_before = cameras[u];
+      uav.camera_before = centre.cameras()[u];
+      if (options_.playback.follow_s > 0 && uav.photos.empty())
+        warn(record_, uav.name + ": it has no photo");
     }
     return alignment;
   }
@@ -144,7 +146,7 @@ class FlightRun {
   /// What a watcher has seen of the flight, and whether we kept up with it.
   void judgeLive(const LiveMap& live) {
     shown_s_ = live.shown();
-    if (options_.playback.rate <= 0) return;
+    if (!options_.playback.inRealTime()) return;
     if (source_->mostBehind_s() > 1)
       warn(record_,
            fmt::format("playback could not keep up: photos were taken up {:.1f} s late at worst",
@@ -160,7 +162,7 @@ class FlightRun {
     for (const auto& [id, finished] : dense.finished_s) {
       const auto shown = shown_s_.find(id);
       record_.latencies_s.push_back((shown == shown_s_.end() ? finished : shown->second) -
-                                    taken_s_[id.uav][id.index]);
+                                    taken_.of(id));
     }
     for (const auto& [code, count] : dense.failures)
       logInfo(fmt::format("densify: {} pairs without depth: {}", count, code));
@@ -191,7 +193,7 @@ class FlightRun {
   World world_;
   std::unique_ptr<StepSource> source_;
   std::vector<std::vector<ImageFrame>> photos_;  ///< by UAV
-  TakenTimes taken_s_;
+  TakenTimes taken_;
   std::map<FrameId, double> shown_s_;  ///< wall time of a photo in the live map
   RunRecord record_;
 };

@@ -58,6 +58,7 @@ fs::path begunFile(const fs::path& outdir) { return workFolder(outdir) / "run.tx
 std::string fingerprint(const FlightRunRequest& request, const Config& config,
                         const RunOptions& options) {
   std::string text = "version = " + request.version + "\n" + config.effectiveText();
+  if (options.playback.follow_s > 0) return text;  // they grow
   for (const UavOptions& uav : options.uavs) {
     std::error_code error;
     const auto size = fs::file_size(config.resolve(uav.rawlog), error);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
+#include <mutex>
 #include <vector>
 
 #include "central_node.h"
@@ -11,8 +13,16 @@
 
 namespace cf {
 
-/// Wall time at which each photo was there to be taken up, by UAV and photo.
-using TakenTimes = std::vector<std::vector<double>>;
+/// Wall time at which each photo was there to be taken up. Thread-safe.
+class TakenTimes {
+ public:
+  void set(FrameId photo, double wall_s);
+  double of(FrameId photo) const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<FrameId, double> wall_s_;
+};
 
 /// Photos on their way from the source through the centre; of each its features and its JPEG are
 /// kept.
@@ -21,8 +31,8 @@ inline constexpr std::size_t kStepsInFlight = 16;
 /// All steps of the source to the centre, which takes them up in order beside the stages of the
 /// source: while the centre solves, these go on, up to a bounded number of photos ahead. The result
 /// depends neither on timing nor on the number of threads. Each version of the map goes to `live`,
-/// if there is one, beside all this.
-TakenTimes playFlight(StepSource& source, const PlaybackOptions& options, CentralNode& centre,
-                      LiveMap* live);
+/// if there is one, beside all this. Adds to `photos` (by UAV) and `taken` what comes.
+void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode& centre,
+                LiveMap* live, std::vector<std::vector<ImageFrame>>& photos, TakenTimes& taken);
 
 }  // namespace cf

@@ -31,6 +31,13 @@ void UavOptions::visit(OptionVisitor& v) {
 
 void PlaybackOptions::visit(OptionVisitor& v) {
   v.number("rate", rate, {0, 1000}, "times real time; 0 = as fast as possible");
+  v.number("max_gap_s", max_gap_s, {0.01, 86400},
+           "at a rate: a longer pause between photos is cut to this [s]");
+  v.number("follow_s", follow_s, {0, 86400},
+           "rawlogs that are still being written: the flight has ended when none has grown for so "
+           "long [s]; 0 = they are complete");
+  v.number("hold_up_s", hold_up_s, {0, 86400},
+           "following: others wait no longer than this [s] for a UAV that may have earlier photos");
   v.number("max_lag_s", max_lag_s, {0.1, 86400},
            "where playback in real time is further behind [s], the live map leaves photos out");
   v.number("wait_s", wait_s, {0.1, 86400},
@@ -86,6 +93,9 @@ RunOptions loadRunOptions(Config& config) {
   config.load("view", options.view);
   config.load("system", options.system);
   config.rejectUnknown();
+  if (options.playback.rate > 0 && options.playback.follow_s > 0)
+    throw UsageError(config.file().string() +
+                     ": [playback] rate replays a flight, follow_s watches one: give only one");
   const std::string file = config.file().string();
   for (const UavOptions& uav : options.uavs) checkUav(uav, file + ": [uav." + uav.name + "] ");
   if (options.uavs.empty())

@@ -77,15 +77,8 @@ void SeamSteps::begin(std::uint16_t uav, const std::string& name) {
     hello = *said;
   }
   hellos_.push_back(hello);
-  photos_.emplace_back();
   stream.done.uav = uav;
-  for (std::uint32_t i = 0; i < hello.photos.size(); ++i) {
-    ImageFrame photo;
-    photo.id = {uav, i};
-    photo.name = hello.photos[i].name;
-    photo.time = hello.photos[i].time;
-    photo.camera = hello.camera;
-    photos_.back().push_back(photo);
+  for (const SeamHello::Photo& photo : hello.photos) {
     PhotoRecord record;
     record.name = photo.name;
     record.time = photo.time;
@@ -96,6 +89,30 @@ void SeamSteps::begin(std::uint16_t uav, const std::string& name) {
   warnings_.push_back(fmt::format("{}: no agent has written {} within {:.0f} s", name,
                                   stream.path.string(), wait_s_));
   logWarning(warnings_.back());
+}
+
+std::vector<SeamSteps::Place> SeamSteps::order() const {
+  std::vector<Place> places;
+  for (std::size_t u = 0; u < hellos_.size(); ++u)
+    for (std::uint32_t i = 0; i < hellos_[u].photos.size(); ++i) places.push_back({u, i});
+  const auto timeOf = [&](const Place& p) { return hellos_[p.uav].photos[p.photo].time; };
+  // Of one UAV always in its own order.
+  std::stable_sort(places.begin(), places.end(),
+                   [&](const Place& a, const Place& b) { return timeOf(a) < timeOf(b); });
+  for (std::size_t u = 0; u < hellos_.size(); ++u)
+    places.push_back({u, static_cast<std::uint32_t>(hellos_[u].photos.size())});
+  return places;
+}
+
+/// Its file is not at hand.
+ImageFrame SeamSteps::photoAt(const Place& place) const {
+  const SeamHello& hello = hellos_[place.uav];
+  ImageFrame photo;
+  photo.id = {hello.uav, place.photo};
+  photo.name = hello.photos[place.photo].name;
+  photo.time = hello.photos[place.photo].time;
+  photo.camera = hello.camera;
+  return photo;
 }
 
 tbb::filter<void, StepSource::Step> SeamSteps::steps() {
@@ -123,7 +140,7 @@ StepSource::Step SeamSteps::next(tbb::flow_control& control) {
     if (isLast(place))
       finish(place.uav);
     else
-      out->photo = FrameId{hellos_[place.uav].uav, place.photo};
+      out->photo = photoAt(place);
     return out;
   }
   control.stop();

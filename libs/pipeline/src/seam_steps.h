@@ -30,6 +30,14 @@ class SeamSteps : public StepSource {
     bool stopped = false;
     SeamDone done;  ///< as far as it is known
   };
+  struct Place {
+    std::size_t uav = 0;
+    std::uint32_t photo = 0;  ///< one past the last: the UAV's last step
+  };
+  /// Of all steps.
+  std::vector<Place> order() const;
+  ImageFrame photoAt(const Place& place) const;
+  bool isLast(const Place& place) const { return place.photo == hellos_[place.uav].photos.size(); }
   Step next(tbb::flow_control& control);
   void begin(std::uint16_t uav, const std::string& name);
   std::optional<SeamMessage> await(Stream& stream) const;

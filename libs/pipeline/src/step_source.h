@@ -18,13 +18,14 @@ namespace cf {
 /// A step on its way to the centre.
 struct SourceStep {
   ChainStep step;
-  std::optional<FrameId> photo;  ///< none: what is left after the UAV's last
-  double taken_s = 0;            ///< wall time at which the photo was there to be taken up
+  std::optional<ImageFrame> photo;  ///< without pixels; none: what is left after the UAV's last
+  double taken_s = 0;               ///< wall time at which the photo was there to be taken up
 };
 
 /// Where the steps of all UAVs come from: chains in this process (ChainSteps), or files in which
 /// other processes write them (SeamSteps). Whatever it is, it gives the same steps in the same
-/// order: of photos in time order (ties by UAV), then the last of each UAV.
+/// order: of photos in time order (ties by UAV), of each UAV in the order of their numbers, then
+/// the last of each UAV.
 class StepSource {
  public:
   using Step = std::shared_ptr<SourceStep>;
@@ -33,10 +34,12 @@ class StepSource {
   StepSource(const StepSource&) = delete;
   StepSource& operator=(const StepSource&) = delete;
 
-  /// What each UAV has said first, and its photos; their file is empty where it is not at hand.
+  /// What each UAV has said first; of one that is followed, photos and camera are still to come.
   const std::vector<SeamHello>& hellos() const { return hellos_; }
-  const std::vector<std::vector<ImageFrame>>& photos() const { return photos_; }
-  std::size_t photoCount() const;
+  /// Of all UAVs, known from the start.
+  virtual std::size_t photoCount() const;
+  /// More may come.
+  virtual bool follows() const { return false; }
 
   /// The first stages of a pipeline that is run once; the source must outlive it.
   virtual tbb::filter<void, Step> steps() = 0;
@@ -53,16 +56,7 @@ class StepSource {
  protected:
   StepSource() = default;
 
-  struct Place {
-    std::size_t uav = 0;      ///< among the hellos
-    std::uint32_t photo = 0;  ///< one past the last: the UAV's last step
-  };
-  /// Of all steps.
-  std::vector<Place> order() const;
-  bool isLast(const Place& place) const { return place.photo == hellos_[place.uav].photos.size(); }
-
   std::vector<SeamHello> hellos_;
-  std::vector<std::vector<ImageFrame>> photos_;
   std::vector<std::string> warnings_;
   double most_behind_s_ = 0;
 };

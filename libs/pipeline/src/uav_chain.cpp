@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "cf/base/log.h"
@@ -20,11 +19,10 @@ constexpr double kDensePixels = 2;
 
 }  // namespace
 
-UavChain::UavChain(const UavRecording& recording, const std::string& name, std::uint16_t uav,
+UavChain::UavChain(const std::string& name, std::uint16_t uav,
                    const std::optional<LocalFrame>& world, const RunOptions& options,
                    StageTimes& times)
-    : recording_(recording),
-      options_(options),
+    : options_(options),
       times_(times),
       uav_(uav),
       odometry_(options.odometry),
@@ -35,16 +33,9 @@ UavChain::UavChain(const UavRecording& recording, const std::string& name, std::
       has_world_(world.has_value()),
       name_(name) {
   done_.uav = uav;
-  for (const ImageFrame& photo : recording.photos) {
-    PhotoRecord record;
-    record.name = photo.name;
-    record.time = photo.time;
-    done_.photos.push_back(record);
-  }
 }
 
-std::shared_ptr<ReadyPhoto> UavChain::prepare(std::uint32_t index) const {
-  const ImageFrame& photo = recording_.photos[index];
+std::shared_ptr<ReadyPhoto> UavChain::prepare(const ImageFrame& photo) const {
   auto taken = [&] {
     const StageTimes::Scope scope(times_, "decode");
     return takePhoto(photo, std::max(options_.odometry.features.megapixels,
@@ -64,14 +55,16 @@ std::shared_ptr<ReadyPhoto> UavChain::prepare(std::uint32_t index) const {
   return out;
 }
 
-ChainStep UavChain::push(ReadyPhoto& photo) {
+ChainStep UavChain::push(ReadyPhoto& photo, const std::vector<GnssFix>& fixes) {
   const ImageFrame& frame = photo.frame;
+  PhotoRecord& record = done_.photos.emplace_back();
+  record.name = frame.name;
+  record.time = frame.time;
   ChainStep step;
   step.uav = uav_;
-  addFixesUntil(frame.time);
+  addFixes(fixes);
   step.gnss = georeferencer_.quality();
   if (!photo.damage.empty()) {
-    PhotoRecord& record = done_.photos[frame.id.index];
     record.status = PhotoStatus::kDamaged;
     record.reason = photo.damage;
     logWarning(fmt::format("{}: photo {} is skipped: {}", name_, frame.name, photo.damage));
@@ -88,7 +81,7 @@ ChainStep UavChain::push(ReadyPhoto& photo) {
   return step;
 }
 
-ChainStep UavChain::finish() {
+ChainStep UavChain::finish(const std::vector<GnssFix>& fixes) {
   ChainStep step;
   step.uav = uav_;
   std::vector<std::shared_ptr<const Keyframe>> keyframes;
@@ -96,7 +89,7 @@ ChainStep UavChain::finish() {
     const StageTimes::Scope scope(times_, "odometry");
     keyframes = odometry_.flush();
   }
-  addFixesUntil(std::numeric_limits<TimeNs>::max());
+  addFixes(fixes);
   georeference(keyframes, step);
   const StageTimes::Scope scope(times_, "georeference");
   collect(georeferencer_.flush(), step);
@@ -114,10 +107,9 @@ SeamDone UavChain::done() {
   return std::move(done_);
 }
 
-void UavChain::addFixesUntil(TimeNs time) {
-  const auto& fixes = recording_.fixes;
-  for (; has_world_ && next_fix_ < fixes.size() && fixes[next_fix_].time <= time; ++next_fix_)
-    georeferencer_.addFix(fixes[next_fix_]);
+void UavChain::addFixes(const std::vector<GnssFix>& fixes) {
+  if (!has_world_) return;
+  for (const GnssFix& fix : fixes) georeferencer_.addFix(fix);
 }
 
 void UavChain::georeference(const std::vector<std::shared_ptr<const Keyframe>>& keyframes,

@@ -14,7 +14,6 @@
 #include "cf/georeference/georeferencer.h"
 #include "cf/odometry/odometry.h"
 #include "cf/pipeline/run_options.h"
-#include "cf/rawlog/rawlog_reader.h"
 #include "cf/types/chain_step.h"
 
 namespace cf {
@@ -32,32 +31,30 @@ class UavChain {
  public:
   /// Without a `world` (no fix at all) everything stays in local frames. What is given by
   /// reference must outlive the chain.
-  UavChain(const UavRecording& recording, const std::string& name, std::uint16_t uav,
-           const std::optional<LocalFrame>& world, const RunOptions& options, StageTimes& times);
+  UavChain(const std::string& name, std::uint16_t uav, const std::optional<LocalFrame>& world,
+           const RunOptions& options, StageTimes& times);
 
   /// Needs nothing of the photos before: may run for several at a time, and beside push().
-  std::shared_ptr<ReadyPhoto> prepare(std::uint32_t photo) const;
-  /// In order.
-  ChainStep push(ReadyPhoto& photo);
+  std::shared_ptr<ReadyPhoto> prepare(const ImageFrame& photo) const;
+  /// In order; with the fixes that came since the photo before, up to its time.
+  ChainStep push(ReadyPhoto& photo, const std::vector<GnssFix>& fixes);
   /// What is left after the last photo.
-  ChainStep finish();
+  ChainStep finish(const std::vector<GnssFix>& fixes);
   /// After finish(): what the report tells of the UAV, as far as it knows it itself.
   SeamDone done();
 
  private:
-  void addFixesUntil(TimeNs time);
+  void addFixes(const std::vector<GnssFix>& fixes);
   void georeference(const std::vector<std::shared_ptr<const Keyframe>>& keyframes, ChainStep& step);
   void collect(std::vector<GeoKeyframe> keyframes, ChainStep& step);
   ChainStep::Newest newest(FrameId id);
 
-  const UavRecording& recording_;
   const RunOptions& options_;
   StageTimes& times_;
   const std::uint16_t uav_;
   Odometry odometry_;
   Georeferencer georeferencer_;
   const bool has_world_;
-  std::size_t next_fix_ = 0;
   std::map<FrameId, Eigen::Isometry3d> local_;
   const std::string name_;
   SeamDone done_;

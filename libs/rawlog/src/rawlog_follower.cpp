@@ -55,7 +55,7 @@ UavRecording RawlogFollower::finish() {
   UavRecording recording = impl_->builder.finish();
   std::vector<std::string> warnings;
   if (impl_->records && !impl_->records->counts().empty())
-    warnings = impl_->records->warnings();
+    warnings = impl_->records->warnings(ended());
   else
     warnings.push_back(
         fmt::format("{} {}", impl_->rawlog.filename().string(),

@@ -18,7 +18,7 @@ UavRecording readRecording(const std::filesystem::path& rawlog, const RawlogLabe
     throw RunError(
         fmt::format("{} cannot be read: it is no rawlog, or an empty one", rawlog.string()));
   UavRecording recording = builder.finish();
-  std::vector<std::string> warnings = records.warnings();
+  std::vector<std::string> warnings = records.warnings(builder.ended());
   recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
   return recording;
 }

@@ -157,9 +157,9 @@ mrpt::serialization::CSerializable::Ptr RawlogRecords::next() {
   return nullptr;
 }
 
-std::vector<std::string> RawlogRecords::warnings() const {
+std::vector<std::string> RawlogRecords::warnings(bool ended) const {
   std::vector<std::string> all;
-  if (counts_.breaks_off)
+  if (counts_.breaks_off && !ended)
     all.push_back(
         fmt::format("{} breaks off after {} records: the rest is lost", name_, counts_.read));
   if (counts_.damaged != 0)

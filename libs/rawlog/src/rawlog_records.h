@@ -37,8 +37,8 @@ class RawlogRecords {
     bool empty() const { return read + with_pixels + outdated + other_classes.size() == 0; }
   };
   const Counts& counts() const { return counts_; }
-  /// What is wrong, as far as counted.
-  std::vector<std::string> warnings() const;
+  /// What is wrong, as far as counted; `ended`: nothing is missing, whatever the file looks like.
+  std::vector<std::string> warnings(bool ended) const;
 
  private:
   struct CloseFile {
