@@ -104,6 +104,14 @@ DepthFrame wildFrame(cv::Size size) {
   return frame;
 }
 
+TEST(DepthFrameFile, needsNoColour) {
+  DepthFrame frame = exampleFrame();
+  frame.colour.release();
+  const DepthFrame back = decodeDepthFrame(encodeDepthFrame(frame), "here");
+  EXPECT_TRUE(back.colour.empty());
+  EXPECT_EQ(cv::norm(back.disparity, frame.disparity, cv::NORM_INF), 0);
+}
+
 TEST(DepthFrameFile, losesNoDisparityOfAnyKind) {
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 40), cv::Size(40, 1), cv::Size(97, 61)}) {
     const DepthFrame written = wildFrame(size);

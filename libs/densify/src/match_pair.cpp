@@ -61,6 +61,10 @@ void equalise(cv::Mat& partner, const cv::Mat& partner_inside, const cv::Mat& re
 
 }  // namespace
 
+cv::Mat referenceColour(const DepthFrame& frame, const cv::Mat& reference_image) {
+  return rectify(reference_image, frame.reference_camera, frame.reference_view).image;
+}
+
 Result<DepthFrame> matchPair(const DenseView& reference, const cv::Mat& reference_image,
                              const DenseView& partner, const cv::Mat& partner_image,
                              const DensifyOptions& options) {

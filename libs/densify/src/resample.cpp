@@ -76,6 +76,8 @@ void colourRow(const cv::Mat& image, const RemapTable& table, int v, uchar* out)
   const int width = table.fixed_xy.cols;
 #ifdef __SSE2__
   static const Weights weights;
+  const uchar* const data = image.data;
+  const std::size_t step = image.step;
   // Eight bytes are read where six are wanted, and four written for three.
   const int last_x = image.cols - 4, last_y = image.rows - 2;
 #else
@@ -90,8 +92,8 @@ void colourRow(const cv::Mat& image, const RemapTable& table, int v, uchar* out)
     }
 #ifdef __SSE2__
     const std::uint32_t colour =
-        colourAt(image.ptr(y) + 3 * x, image.step, static_cast<std::size_t>(tx),
-                 static_cast<std::size_t>(ty), weights);
+        colourAt(data + static_cast<std::size_t>(y) * step + 3 * x, step,
+                 static_cast<std::size_t>(tx), static_cast<std::size_t>(ty), weights);
     std::memcpy(out, &colour, sizeof colour);
 #endif
   }
@@ -101,6 +103,8 @@ void greyRow(const cv::Mat& image, const RemapTable& table, int v, uchar* out) {
   const auto* xy = table.fixed_xy.ptr<short>(v);
   const auto* fraction = table.fraction.ptr<ushort>(v);
   const int width = table.fixed_xy.cols, last_x = image.cols - 2, last_y = image.rows - 2;
+  const uchar* const data = image.data;
+  const std::size_t step = image.step;
   for (int u = 0; u < width; ++u) {
     const int x = xy[2 * u], y = xy[2 * u + 1];
     const int tx = fraction[u] & (kOne - 1), ty = fraction[u] >> kBits;
@@ -108,7 +112,7 @@ void greyRow(const cv::Mat& image, const RemapTable& table, int v, uchar* out) {
       pixelAt<1>(image, x, y, tx, ty, out + u);
       continue;
     }
-    const uchar *p = image.ptr(y) + x, *q = p + image.step;
+    const uchar *p = data + static_cast<std::size_t>(y) * step + x, *q = p + step;
     const int top = kOne * p[0] + tx * (p[1] - p[0]), bottom = kOne * q[0] + tx * (q[1] - q[0]);
     out[u] = static_cast<uchar>((kOne * top + ty * (bottom - top) + kHalf) >> kShift);
   }

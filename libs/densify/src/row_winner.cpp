@@ -139,15 +139,18 @@ CF_CLONES void winners(const PathCost* sum, const RowLayout& layout, int partner
       const Ints at =
           kLanes * __builtin_convertvector(w.block, Ints) + __builtin_convertvector(w.place, Ints);
       const Ints found = 16 * (run.min + at) + __builtin_convertvector(ratio, Ints);
+      // Without branches: which way they go is as good as chance.
       for (int i = 0; i < pixels; ++i, s += n) {
-        const int u = first + i, d = at[i], x = u - run.min - d;
-        if (x < 0 || x >= partner_width) continue;
-        if (d == 0 || d == n - 1) continue;  // the minimum may lie beyond
+        const int u = first + i, d = std::clamp(at[i], 1, n - 2), x = u - run.min - d;
+        const int there = std::clamp(x, 0, partner_width - 1);
         // The partner's best is this pixel or one beside it.
-        const PathCost partners = least[partner_width - 1 - x];
-        const bool same = (s[d] == partners) | (u + 1 < run.end && s[n + d + 1] == partners) |
-                          (u > run.first && s[d - 1 - n] == partners);
-        disparity[u] = same ? static_cast<std::int16_t>(found[i]) : kNoDisparity;
+        const PathCost partners = least[partner_width - 1 - there];
+        const PathCost before = s[u > run.first ? d - 1 - n : d];
+        const PathCost after = s[u + 1 < run.end ? n + d + 1 : d];
+        const int same = (s[d] == partners) | (before == partners) | (after == partners);
+        // At either end the minimum may lie beyond.
+        const int good = (d == at[i]) & (x == there) & same;
+        disparity[u] = good ? static_cast<std::int16_t>(found[i]) : kNoDisparity;
       }
     }
   }

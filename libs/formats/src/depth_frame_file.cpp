@@ -151,7 +151,7 @@ std::string encodeDepthFrame(const DepthFrame& frame) {
   for (const auto* part : {&code.residuals, &code.surprises, &code.confidences}) {
     encode(std::string_view(*part));
   }
-  encode(std::string_view(encodeJpeg(frame.colour, kJpegQuality)));
+  encode(std::string_view(frame.colour.empty() ? "" : encodeJpeg(frame.colour, kJpegQuality)));
   return encode.finish();
 }
 
@@ -172,6 +172,7 @@ DepthFrame decodeDepthFrame(const std::string& bytes, const std::string& source)
                        frame.confidence)) {
     decode.fail("is damaged: its disparity does not fit");
   }
+  if (jpeg.empty()) return frame;
   frame.colour = decodedColour(jpeg, size);
   if (frame.colour.size() != size || frame.colour.type() != CV_8UC3) {
     decode.fail("is damaged: its colour does not fit");

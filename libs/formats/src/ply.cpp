@@ -25,10 +25,12 @@ std::string countText(std::uint64_t count) {
   return digits + "\ncomment ClusterFusion " + std::string(20 - digits.size(), '.') + "\n";
 }
 
+constexpr std::size_t kBlockVertices = 4096;
+
 template <class T>
-double binaryNumber(std::ifstream& in) {
-  T value{};
-  in.read(reinterpret_cast<char*>(&value), sizeof(value));
+double binaryNumber(const char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof(value));
   return static_cast<double>(value);
 }
 
@@ -85,6 +87,9 @@ PlyReader::PlyReader(const std::filesystem::path& path) : path_(path), buffer_(1
   for (auto e = elements.begin(); e != vertex; ++e)
     for (std::uint64_t i = 0; i < e->count && !e->properties.empty(); ++i)
       readRecord(e->properties, nullptr);
+  const auto isList = [](const Property& p) { return p.list; };
+  if (ascii_ || std::any_of(vertex_.begin(), vertex_.end(), isList)) return;
+  for (const Property& property : vertex_) vertex_bytes_ += bytesOf(property.type);
 }
 
 void PlyReader::fail(const std::string& what) const {
@@ -153,31 +158,81 @@ std::vector<PlyReader::Element> PlyReader::readHeader() {
   fail("PLY header: has no end");
 }
 
+std::size_t PlyReader::bytesOf(Type type) {
+  switch (type) {
+    case Type::kInt8:
+    case Type::kUint8:
+      return 1;
+    case Type::kInt16:
+    case Type::kUint16:
+      return 2;
+    case Type::kInt32:
+    case Type::kUint32:
+    case Type::kFloat:
+      return 4;
+    case Type::kDouble:
+      return 8;
+  }
+  return 0;
+}
+
+double PlyReader::numberOf(Type type, const char* bytes) {
+  switch (type) {
+    case Type::kInt8:
+      return binaryNumber<std::int8_t>(bytes);
+    case Type::kUint8:
+      return binaryNumber<std::uint8_t>(bytes);
+    case Type::kInt16:
+      return binaryNumber<std::int16_t>(bytes);
+    case Type::kUint16:
+      return binaryNumber<std::uint16_t>(bytes);
+    case Type::kInt32:
+      return binaryNumber<std::int32_t>(bytes);
+    case Type::kUint32:
+      return binaryNumber<std::uint32_t>(bytes);
+    case Type::kFloat:
+      return binaryNumber<float>(bytes);
+    case Type::kDouble:
+      return binaryNumber<double>(bytes);
+  }
+  return 0;
+}
+
 double PlyReader::readNumber(Type type) {
   if (ascii_) {
     double value = 0;
     in_ >> value;
     return value;
   }
-  switch (type) {
-    case Type::kInt8:
-      return binaryNumber<std::int8_t>(in_);
-    case Type::kUint8:
-      return binaryNumber<std::uint8_t>(in_);
-    case Type::kInt16:
-      return binaryNumber<std::int16_t>(in_);
-    case Type::kUint16:
-      return binaryNumber<std::uint16_t>(in_);
-    case Type::kInt32:
-      return binaryNumber<std::int32_t>(in_);
-    case Type::kUint32:
-      return binaryNumber<std::uint32_t>(in_);
-    case Type::kFloat:
-      return binaryNumber<float>(in_);
-    case Type::kDouble:
-      return binaryNumber<double>(in_);
+  char bytes[8] = {};
+  in_.read(bytes, static_cast<std::streamsize>(bytesOf(type)));
+  return numberOf(type, bytes);
+}
+
+void PlyReader::assign(const Property& property, double value, PlyPoint& point) {
+  const bool floating = property.type == Type::kFloat || property.type == Type::kDouble;
+  switch (property.role) {
+    case Role::kX:
+      point.position_m.x() = value;
+      break;
+    case Role::kY:
+      point.position_m.y() = value;
+      break;
+    case Role::kZ:
+      point.position_m.z() = value;
+      break;
+    case Role::kRed:
+      point.rgb[0] = colourOf(value, floating);
+      break;
+    case Role::kGreen:
+      point.rgb[1] = colourOf(value, floating);
+      break;
+    case Role::kBlue:
+      point.rgb[2] = colourOf(value, floating);
+      break;
+    case Role::kOther:
+      break;
   }
-  return 0;
 }
 
 void PlyReader::readRecord(const std::vector<Property>& properties, PlyPoint* point) {
@@ -188,37 +243,47 @@ void PlyReader::readRecord(const std::vector<Property>& properties, PlyPoint* po
       continue;
     }
     const double value = readNumber(property.type);
-    if (!point) continue;
-    const bool floating = property.type == Type::kFloat || property.type == Type::kDouble;
-    switch (property.role) {
-      case Role::kX:
-        point->position_m.x() = value;
-        break;
-      case Role::kY:
-        point->position_m.y() = value;
-        break;
-      case Role::kZ:
-        point->position_m.z() = value;
-        break;
-      case Role::kRed:
-        point->rgb[0] = colourOf(value, floating);
-        break;
-      case Role::kGreen:
-        point->rgb[1] = colourOf(value, floating);
-        break;
-      case Role::kBlue:
-        point->rgb[2] = colourOf(value, floating);
-        break;
-      case Role::kOther:
-        break;
-    }
+    if (point) assign(property, value, *point);
   }
   if (!in_) fail("ends or is unreadable before its last vertex");
 }
 
+/// The next vertex of fixed size.
+const char* PlyReader::nextBytes() {
+  if (block_at_ == block_.size()) {
+    const std::uint64_t wanted = std::min<std::uint64_t>(kBlockVertices, count_ - read_);
+    block_.resize(static_cast<std::size_t>(wanted) * vertex_bytes_);
+    in_.read(block_.data(), static_cast<std::streamsize>(block_.size()));
+    block_.resize(static_cast<std::size_t>(in_.gcount()) / vertex_bytes_ * vertex_bytes_);
+    if (block_.empty()) fail("ends or is unreadable before its last vertex");
+    block_at_ = 0;
+  }
+  const char* const bytes = block_.data() + block_at_;
+  block_at_ += vertex_bytes_;
+  return bytes;
+}
+
 bool PlyReader::next(PlyPoint& point) {
   if (read_ == count_) return false;
-  readRecord(vertex_, &point);
+  if (vertex_bytes_ > 0) {
+    const char* bytes = nextBytes();
+    for (const Property& property : vertex_) {
+      if (property.role != Role::kOther) assign(property, numberOf(property.type, bytes), point);
+      bytes += bytesOf(property.type);
+    }
+  } else {
+    readRecord(vertex_, &point);
+  }
+  ++read_;
+  return true;
+}
+
+bool PlyReader::skip() {
+  if (read_ == count_) return false;
+  if (vertex_bytes_ > 0)
+    nextBytes();
+  else
+    readRecord(vertex_, nullptr);
   ++read_;
   return true;
 }

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "cf/base/error.h"
-#include "cf/formats/atomic_file.h"
 #include "cf/formats/depth_frame_file.h"
 
 namespace cf {
@@ -34,24 +33,26 @@ DenseMatching::DenseMatching(std::filesystem::path folder, const DensifyOptions&
 }
 
 Result<DepthFrame> DenseMatching::frame(const StereoPair& pair) {
-  if (auto kept = tryReadDepthFrame(file(pair)); kept && fits(*kept, pair)) {
-    ++found_;
-    return std::move(*kept);
-  }
   const auto photo = [&](FrameId id) {
     const StageTimes::Scope scope(times_, "decode");
     return photos_.get(id);
   };
-  const cv::Mat reference = photo(pair.reference.id), partner = photo(pair.partner.id);
-  if (reference.empty() || partner.empty())
-    return Failure{"no_photo", "one of its photos has not come"};
+  const cv::Mat reference = photo(pair.reference.id);
+  if (reference.empty()) return Failure{"no_photo", "one of its photos has not come"};
+  if (auto kept = tryReadDepthFrame(file(pair)); kept && fits(*kept, pair)) {
+    ++found_;
+    kept->colour = referenceColour(*kept, reference);
+    return std::move(*kept);
+  }
+  const cv::Mat partner = photo(pair.partner.id);
+  if (partner.empty()) return Failure{"no_photo", "one of its photos has not come"};
   const StageTimes::Scope scope(times_, "densify");
   const auto frame = matchPair(pair.reference, reference, pair.partner, partner, options_);
   if (!frame) return frame;
-  // What is used is what is kept, colours coded, so that a resumed run gives the same bytes.
-  const std::string bytes = encodeDepthFrame(*frame);
-  writeFileAtomically(file(pair), bytes);
-  return decodeDepthFrame(bytes, file(pair).string());
+  DepthFrame kept = *frame;
+  kept.colour.release();  // the photo tells it again
+  writeDepthFrame(file(pair), kept);
+  return frame;
 }
 
 std::filesystem::path DenseMatching::file(const StereoPair& pair) const {

@@ -32,8 +32,10 @@ std::vector<ColouredPoint> loadCloud(const fs::path& file, std::size_t max_point
   std::mt19937 random(1);
   const double most = static_cast<double>(std::mt19937::max());
   PlyPoint p;
-  while (reader.next(p)) {
-    if (keep < 1 && static_cast<double>(random()) / most > keep) continue;
+  for (;;) {
+    const bool wanted = !(keep < 1 && static_cast<double>(random()) / most > keep);
+    if (!(wanted ? reader.next(p) : reader.skip())) break;
+    if (!wanted) continue;
     if (!p.position_m.allFinite()) continue;
     ColouredPoint point;
     point.position_m = p.position_m.cast<float>();

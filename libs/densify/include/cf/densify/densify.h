@@ -56,4 +56,7 @@ Result<DepthFrame> matchPair(const DenseView& reference, const cv::Mat& referenc
                              const DenseView& partner, const cv::Mat& partner_image,
                              const DensifyOptions& options);
 
+/// The colour of a depth frame anew, to the last bit, for one that was kept without: CV_8UC3.
+cv::Mat referenceColour(const DepthFrame& frame, const cv::Mat& reference_image);
+
 }  // namespace cf

@@ -34,6 +34,7 @@ class AtomicFile {
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   std::FILE* file_ = nullptr;
+  std::size_t unsent_ = 0;  ///< bytes that the disk was not yet asked to take
 };
 
 void writeFileAtomically(const std::filesystem::path& path, const std::string& content);

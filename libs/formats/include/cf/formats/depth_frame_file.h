@@ -10,8 +10,8 @@
 
 namespace cf {
 
-/// A depth frame as bytes: disparity and confidence lossless (zstd), colour as JPEG of quality 90,
-/// a checksum at the end. About 1.2 bytes a pixel.
+/// A depth frame as bytes: disparity and confidence lossless (zstd), colour as JPEG of quality 90
+/// if there is any, a checksum at the end. About 1.2 bytes a pixel, a third of it colour.
 std::string encodeDepthFrame(const DepthFrame& frame);
 
 /// Throws RunError naming `source` on anything but what encodeDepthFrame wrote.

@@ -47,6 +47,8 @@ class PlyReader {
   bool coloured() const { return coloured_; }
   /// False after the last vertex.
   bool next(PlyPoint& point);
+  /// Passes one over: false after the last vertex.
+  bool skip();
 
  private:
   enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
@@ -66,8 +68,12 @@ class PlyReader {
   [[noreturn]] void fail(const std::string& what) const;
   std::vector<Element> readHeader();
   Type typeOf(const std::string& name) const;
+  static std::size_t bytesOf(Type type);
+  static double numberOf(Type type, const char* bytes);
+  static void assign(const Property& property, double value, PlyPoint& point);
   double readNumber(Type type);
   void readRecord(const std::vector<Property>& properties, PlyPoint* point);
+  const char* nextBytes();
 
   std::filesystem::path path_;
   std::vector<char> buffer_;
@@ -77,6 +83,9 @@ class PlyReader {
   std::uint64_t count_ = 0;
   std::uint64_t read_ = 0;
   std::vector<Property> vertex_;
+  std::size_t vertex_bytes_ = 0;  ///< 0: of no fixed size
+  std::vector<char> block_;       ///< vertices of fixed size read ahead
+  std::size_t block_at_ = 0;
 };
 
 /// All points at once.
