@@ -37,7 +37,7 @@ ObservationNoise noiseOf(const Simulation& flight, const Shift& shift) {
     for (const auto& [b, photo_b] : photos)
       if (a < b) pairs.emplace_back(a, b);
   graph.match(pairs);
-  return measureNoise(graph, triangulateTracks(graph, buildTracks(graph), photos, 4), photos);
+  return measureNoise({&graph, triangulateTracks(graph, buildTracks(graph), photos, 4)}, photos);
 }
 
 Simulation flight() {
@@ -69,7 +69,7 @@ TEST(MeasureNoise, AShiftOfPartsOfAPhotoIsSeen) {
 
 TEST(MeasureNoise, NothingWithoutPoints) {
   const MatchGraph graph{MatchGraphOptions{}};
-  const ObservationNoise noise = measureNoise(graph, {}, {});
+  const ObservationNoise noise = measureNoise({&graph, {}}, {});
   EXPECT_EQ(noise.sigma_px, 0);
   EXPECT_EQ(noise.common_variance_px2, 0);
 }

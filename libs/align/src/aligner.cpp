@@ -82,7 +82,7 @@ class Aligner::State {
                           const std::vector<GnssQuality>& quality,
                           const std::vector<CameraModel>& cameras) {
     if (static_cast<double>(graph_.photos().size()) >= options_.growth * solved_photos_) {
-      Alignment draft = solve(segments, quality, cameras, true);
+      Alignment draft = solve(segments, quality, cameras, true, {});
       map_.scales = scalesInMap(graph_, draft.table, draft.points);
       map_.table = std::move(draft.table);
       solved_photos_ = static_cast<double>(graph_.photos().size());
@@ -97,7 +97,7 @@ class Aligner::State {
   }
 
   Alignment solve(const std::vector<GeoSegment>& segments, const std::vector<GnssQuality>& quality,
-                  const std::vector<CameraModel>& cameras, bool draft) {
+                  const std::vector<CameraModel>& cameras, bool draft, const PhotoSource& source) {
     const std::map<FrameId, Alone> alone = aloneOf(segments, quality);
     const PairViews views = viewsOf(alone);
     matchNeighbours();
@@ -125,7 +125,7 @@ class Aligner::State {
     if (options_.method == "homography")
       keepRigid(placement, out);
     else
-      adjust(placement, quality, draft, out);
+      adjust(placement, quality, draft, source, out);
     addPoses(placement, out);
     if (!draft) addRelativePoses(views, placement, observed, out);
     return out;
@@ -236,7 +236,7 @@ class Aligner::State {
   double medianDepth(FrameId id) const { return median_depth_.at(id); }
 
   void adjust(const Placement& placement, const std::vector<GnssQuality>& quality, bool draft,
-              Alignment& out) {
+              const PhotoSource& source, Alignment& out) {
     const std::vector<Track> tracks = buildTracks(graph_);
     const std::map<FrameId, GnssPosition> fixes = weighedFixes(quality);
     std::set<std::uint16_t> calibrated;
@@ -244,6 +244,7 @@ class Aligner::State {
       JointProblem problem;
       problem.cameras = out.table.cameras;
       problem.draft = draft;
+      problem.source = source;
       std::vector<double> depths;
       for (const auto& [id, placed] : placement.photos) {
         if (placed.component != component) continue;
@@ -349,8 +350,8 @@ std::optional<Sim3> Aligner::similarity(FrameId photo, int segment) const {
 }
 Alignment Aligner::solve(const std::vector<GeoSegment>& segments,
                          const std::vector<GnssQuality>& quality,
-                         const std::vector<CameraModel>& cameras) {
-  return state_->solve(segments, quality, cameras, false);
+                         const std::vector<CameraModel>& cameras, const PhotoSource& source) {
+  return state_->solve(segments, quality, cameras, false, source);
 }
 
 }  // namespace cf

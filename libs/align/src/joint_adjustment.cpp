@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "joint_residuals.h"
+#include "link_alignment.h"
 #include "observation_noise.h"
 #include "point_choice.h"
 #include "pose_covariance.h"
@@ -71,19 +72,26 @@ class Adjustment {
 
   void improve(const Round& round, bool last) {
     const std::map<FrameId, PosedPhoto> photos = posed();
-    const auto triangulated = [&](const std::vector<Track>& tracks) {
-      return triangulateTracks(graph_, tracks, photos, round.threshold_px);
+    const auto triangulated = [&](const MatchGraph& graph, const std::vector<Track>& tracks) {
+      return Sights{&graph, triangulateTracks(graph, tracks, photos, round.threshold_px)};
     };
-    std::vector<SparsePoint> links = triangulated(parts_.links), chains;
-    if (round.fine) {
-      chains = triangulated(parts_.chains);
-      noise_.measure(graph_, triangulated(parts_.detections), chains, photos, last);
-    }
     const int wanted = options_.points_per_photo / (problem_.draft ? kDraftShare : 1);
-    links = choosePoints(graph_, links, wanted);
-    chains = choosePoints(graph_, chains, wanted);
-    if (links.empty() && chains.empty()) return;
-    solve(links, chains, round.loss_sigmas, last);
+    const auto chosen = [&](Sights sights) {
+      sights.points = choosePoints(*sights.graph, sights.points, wanted);
+      return sights;
+    };
+    Sights links = chosen(triangulated(graph_, parts_.links));
+    if (!round.fine) return solve({}, {}, links, round.loss_sigmas, last);
+    if (problem_.source && aligned_links_.tracks.empty()) {
+      aligned_links_ = alignLinks(graph_, links.points, photos, problem_.source);
+      links.points = aligned_links_.left;
+      parts_.links.clear();
+      for (const SparsePoint& link : links.points) parts_.links.push_back(link.observations);
+    }
+    const Sights chains = triangulated(graph_, parts_.chains);
+    const Sights aligned_links = triangulated(aligned_links_.graph, aligned_links_.tracks);
+    noise_.measure(triangulated(graph_, parts_.detections), aligned_links, chains, photos, last);
+    solve(chosen(chains), aligned_links, links, round.loss_sigmas, last);
   }
 
   JointSolution solution() const {
@@ -109,24 +117,31 @@ class Adjustment {
  private:
   using PointBlocks = std::vector<std::array<double, 3>>;
 
-  void solve(const std::vector<SparsePoint>& links, const std::vector<SparsePoint>& chains,
+  void solve(const Sights& chains, const Sights& aligned_links, const Sights& links,
              double loss_sigmas, bool last) {
     PointBlocks points;
-    for (const auto* kind : {&links, &chains})
-      for (const SparsePoint& p : *kind)
+    for (const Sights* sights : {&chains, &aligned_links, &links})
+      for (const SparsePoint& p : sights->points)
         points.push_back({p.position_m.x(), p.position_m.y(), p.position_m.z()});
+    if (points.empty()) return;
     ceres::Problem problem;
     auto* loss = new ceres::ScaledLoss(new ceres::CauchyLoss(loss_sigmas), 1 / noise_.deflation(),
                                        ceres::TAKE_OWNERSHIP);
-    for (std::size_t i = 0; i < links.size(); ++i)
-      for (const SparseObservation& o : links[i].observations)
-        observe(problem, o, points[i].data(),
-                noise_.detection(*graph_.photo(o.frame).features, o.feature) *
-                    std::sqrt(sharedDetection(graph_, links[i].observations, o)),
-                loss);
-    for (std::size_t i = 0; i < chains.size(); ++i)
-      for (const SparseObservation& o : chains[i].observations)
-        observe(problem, o, points[links.size() + i].data(), noise_.aligned(), loss);
+    auto point = points.begin();
+    const auto observe = [&](const Sights& sights, const auto& sigmaOf) {
+      for (const SparsePoint& p : sights.points) {
+        for (const SparseObservation& o : p.observations)
+          addObservation(problem, sights.graph->photo(o.frame), o.feature, point->data(),
+                         sigmaOf(p, o), loss);
+        ++point;
+      }
+    };
+    observe(chains, [&](const auto&, const auto&) { return noise_.chained(); });
+    observe(aligned_links, [&](const auto&, const auto&) { return noise_.linked(); });
+    observe(links, [&](const SparsePoint& p, const SparseObservation& o) {
+      return noise_.detection(*graph_.photo(o.frame).features, o.feature) *
+             std::sqrt(sharedDetection(graph_, p.observations, o));
+    });
     addPosePriors(problem);
     addLensPriors(problem);
     hold(problem);
@@ -144,14 +159,13 @@ class Adjustment {
     if (last) keepCovariances(problem, points);
   }
 
-  void observe(ceres::Problem& problem, const SparseObservation& o, double* point, double sigma_px,
-               ceres::LossFunction* loss) {
-    const Keyframe& photo = graph_.photo(o.frame);
+  void addObservation(ceres::Problem& problem, const Keyframe& photo, int feature, double* point,
+                      double sigma_px, ceres::LossFunction* loss) {
     problem.AddResidualBlock(
         new ReprojectionError(
-            photo.features->pixel[static_cast<std::size_t>(o.feature)].cast<double>(), photo.camera,
+            photo.features->pixel[static_cast<std::size_t>(feature)].cast<double>(), photo.camera,
             sigma_px * photo.features->pixel_size),
-        loss, poses_.at(o.frame)->data(), point, lensBlock(o.frame.uav));
+        loss, poses_.at(photo.id)->data(), point, lensBlock(photo.id.uav));
   }
 
   double* lensBlock(std::size_t uav) { return lenses_[lens_of_[uav]].data(); }
@@ -316,7 +330,8 @@ class Adjustment {
 
   const MatchGraph& graph_;
   const std::vector<Track>& tracks_;
-  const TrackParts parts_;
+  TrackParts parts_;
+  AlignedLinks aligned_links_;
   const JointProblem& problem_;
   const JointOptions& options_;
   NoiseModel noise_;

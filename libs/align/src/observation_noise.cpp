@@ -43,15 +43,14 @@ double sigmaOf(std::vector<double>& lengths) {
 
 }  // namespace
 
-ObservationNoise measureNoise(const MatchGraph& graph, const std::vector<SparsePoint>& points,
-                              const std::map<FrameId, PosedPhoto>& photos) {
+ObservationNoise measureNoise(const Sights& sights, const std::map<FrameId, PosedPhoto>& photos) {
   std::map<FrameId, std::array<Cell, kColumns * kRows>> cells;
   std::vector<double> lengths;
   std::array<std::vector<double>, ObservationNoise::kOctaves> octave_lengths;
   double redundancy = 0;
-  for (const SparsePoint& p : points) {
+  for (const SparsePoint& p : sights.points) {
     for (const SparseObservation& o : p.observations) {
-      const FeatureSet& features = *graph.photo(o.frame).features;
+      const FeatureSet& features = *sights.graph->photo(o.frame).features;
       const PosedPhoto& photo = photos.at(o.frame);
       const Eigen::Vector2d pixel =
           features.pixel[static_cast<std::size_t>(o.feature)].cast<double>();
@@ -102,32 +101,37 @@ ObservationNoise measureNoise(const MatchGraph& graph, const std::vector<SparseP
 }
 
 NoiseModel::NoiseModel(double sigma_px, double common_error_reach)
-    : common_error_reach_(common_error_reach), aligned_sigma_px_(sigma_px) {
+    : common_error_reach_(common_error_reach), link_sigma_px_(sigma_px), chain_sigma_px_(sigma_px) {
   octave_sigma_px_.fill(sigma_px);
 }
 
-void NoiseModel::measure(const MatchGraph& graph, const std::vector<SparsePoint>& detections,
-                         const std::vector<SparsePoint>& chains,
+void NoiseModel::measure(const Sights& detections, const Sights& links, const Sights& chains,
                          const std::map<FrameId, PosedPhoto>& photos, bool deflate) {
-  const ObservationNoise detected = measureNoise(graph, detections, photos);
-  const ObservationNoise aligned = measureNoise(graph, chains, photos);
+  const ObservationNoise detected = measureNoise(detections, photos);
+  const ObservationNoise linked = measureNoise(links, photos);
+  const ObservationNoise chained = measureNoise(chains, photos);
   // What is common shows best where there is least else.
   const double common =
-      aligned.sigma_px > 0 ? aligned.common_variance_px2 : detected.common_variance_px2;
+      chained.sigma_px > 0 ? chained.common_variance_px2 : detected.common_variance_px2;
   double information = 0, deflated = 0;
-  const auto count = [&](std::size_t points, double sigma_px) {
+  const auto count = [&](const Sights& sights, double sigma_px) {
     const double variance = sigma_px * sigma_px;
-    information += static_cast<double>(points) / variance;
-    deflated += static_cast<double>(points) / (variance + common_error_reach_ * common);
+    information += static_cast<double>(sights.points.size()) / variance;
+    deflated +=
+        static_cast<double>(sights.points.size()) / (variance + common_error_reach_ * common);
   };
   if (detected.sigma_px > 0) {
     for (std::size_t i = 0; i < ObservationNoise::kOctaves; ++i)
       octave_sigma_px_[i] = std::max(kLeastSigmaPx, detected.octave_sigma_px[i]);
-    count(detections.size(), std::max(kLeastSigmaPx, detected.sigma_px));
+    count(detections, std::max(kLeastSigmaPx, detected.sigma_px));
   }
-  if (aligned.sigma_px > 0) {
-    aligned_sigma_px_ = std::max(kLeastSigmaPx, aligned.sigma_px);
-    count(chains.size(), aligned_sigma_px_);
+  if (linked.sigma_px > 0) {
+    link_sigma_px_ = std::max(kLeastSigmaPx, linked.sigma_px);
+    count(links, link_sigma_px_);
+  }
+  if (chained.sigma_px > 0) {
+    chain_sigma_px_ = std::max(kLeastSigmaPx, chained.sigma_px);
+    count(chains, chain_sigma_px_);
   }
   if (deflate && deflated > 0) deflation_ = information / deflated;
 }

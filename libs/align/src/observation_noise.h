@@ -25,10 +25,15 @@ struct ObservationNoise {
   double common_variance_px2 = 0;
 };
 
+/// Points and where their observations are.
+struct Sights {
+  const MatchGraph* graph = nullptr;
+  std::vector<SparsePoint> points;
+};
+
 /// Measured from the residuals of all observations of the points; tracks pay for the three
 /// coordinates of their point. Zeros without redundant observations.
-ObservationNoise measureNoise(const MatchGraph& graph, const std::vector<SparsePoint>& points,
-                              const std::map<FrameId, PosedPhoto>& photos);
+ObservationNoise measureNoise(const Sights& sights, const std::map<FrameId, PosedPhoto>& photos);
 
 /// What observations are worth in an adjustment.
 class NoiseModel {
@@ -36,14 +41,15 @@ class NoiseModel {
   /// All the same until measured. `common_error_reach`: see JointOptions.
   NoiseModel(double sigma_px, double common_error_reach);
 
-  /// From points of detections, one of each chain, and from points of chains (track_parts.h).
-  /// `deflate` once the map follows the chains: before, its own error would count as common.
-  void measure(const MatchGraph& graph, const std::vector<SparsePoint>& detections,
-               const std::vector<SparsePoint>& chains, const std::map<FrameId, PosedPhoto>& photos,
-               bool deflate);
+  /// From points of detections, one of each chain, of links that were aligned (link_alignment.h),
+  /// and of chains (track_parts.h). `deflate` once the map follows the chains: before, its own
+  /// error would count as common.
+  void measure(const Sights& detections, const Sights& links, const Sights& chains,
+               const std::map<FrameId, PosedPhoto>& photos, bool deflate);
 
   double detection(const FeatureSet& features, int feature) const;  ///< sigma, feature size [px]
-  double aligned() const { return aligned_sigma_px_; }              ///< sigma, feature size [px]
+  double linked() const { return link_sigma_px_; }                  ///< sigma, feature size [px]
+  double chained() const { return chain_sigma_px_; }                ///< sigma, feature size [px]
   /// By how much the variance of every observation is larger than what it shows, so that what they
   /// have in common does not outvote priors and GNSS by sheer number.
   double deflation() const { return deflation_; }
@@ -51,7 +57,7 @@ class NoiseModel {
  private:
   double common_error_reach_;
   std::array<double, ObservationNoise::kOctaves> octave_sigma_px_ = {};
-  double aligned_sigma_px_;
+  double link_sigma_px_, chain_sigma_px_;
   double deflation_ = 1;
 };
 

@@ -42,7 +42,8 @@ const PoseTable* CentralNode::receive(ChainStep step) {
 
 Alignment CentralNode::finish() {
   const StageTimes::Scope scope(times_, "align", CpuClock::kProcess);
-  return aligner_.solve(segments(), gnss_, cameras_);
+  return aligner_.solve(segments(), gnss_, cameras_,
+                        [this](FrameId photo) { return store_.get(photo); });
 }
 
 std::vector<GeoSegment> CentralNode::segments() const {

@@ -68,8 +68,9 @@ class Aligner {
   /// photo of the segment, up to this, that is in it; none where there is none.
   std::optional<Sim3> similarity(FrameId photo, int segment) const;
   /// The whole map from all that has been pushed, whatever earlier versions were like.
+  /// With the photos at hand, points are tied across strips by grey values (JointProblem::source).
   Alignment solve(const std::vector<GeoSegment>& segments, const std::vector<GnssQuality>& quality,
-                  const std::vector<CameraModel>& cameras);
+                  const std::vector<CameraModel>& cameras, const PhotoSource& source = {});
 
  private:
   class State;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cf/align/match_graph.h"
+#include "cf/align/photo_source.h"
 #include "cf/base/options.h"
 #include "cf/types/pose_table.h"
 
@@ -47,6 +48,9 @@ struct JointProblem {
   /// For a map that a later one replaces: fewer points, detections alone, no covariances; a tenth of
   /// the time.
   bool draft = false;
+  /// Where points seen from several strips or UAVs are aligned by grey values; without it their
+  /// detections have to do.
+  PhotoSource source;
 };
 
 struct JointSolution {
