@@ -56,7 +56,7 @@ struct Origin {
 const std::vector<Origin> kIncludes = {
     {std::regex("[a-z_0-9]+"), "standard"},
     {std::regex("(sys|linux|bits)/.*"), "standard"},
-    {std::regex("immintrin\\.h"), "standard"},  // the compiler's own
+    {std::regex("[a-z]mmintrin\\.h"), "standard"},  // the compiler's own
     {std::regex("zlib\\.h"), "zlib"},
     {std::regex("zstd\\.h"), "zstd"},
     {std::regex("jpeglib\\.h"), "jpeg"},
