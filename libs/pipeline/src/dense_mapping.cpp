@@ -4,9 +4,11 @@
 
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <optional>
 
@@ -57,6 +59,27 @@ MapPoints sample(const std::vector<Contribution::Frame>& frames, int wanted) {
   return out;
 }
 
+/// `other` with the workers, `own` in this thread; returns when both are done. Throws what one of
+/// them threw, `own` first.
+template <class Other, class Own>
+void sideBySide(const Other& other, const Own& own) {
+  tbb::task_group group;
+  group.run(other);
+  std::exception_ptr error;
+  try {
+    own();
+  } catch (...) {
+    error = std::current_exception();
+    group.cancel();
+  }
+  try {
+    group.wait();
+  } catch (...) {
+    if (!error) throw;
+  }
+  if (error) std::rethrow_exception(error);
+}
+
 class DenseMapper {
  public:
   DenseMapper(const std::vector<std::vector<ImageFrame>>& photos, const Alignment& alignment,
@@ -72,8 +95,8 @@ class DenseMapper {
         views_(denseViews(alignment.table)),
         depth_maps_(options.densify.megapixels) {}
 
-  DenseSummary run() {
-    if (views_.empty()) return summary_;
+  void run(const std::function<void(const DenseSummary&)>& beside) {
+    if (views_.empty()) return beside(summary_);
     const double matched_pixel_m = matchedGroundSize(views_, options_.densify.megapixels);
     const FuseOptions fuse = options_.fuse.resolved(matched_pixel_m);
     summary_.voxel_m = fuse.voxel_m;
@@ -85,8 +108,15 @@ class DenseMapper {
     map.reset();
     store_.leaveMemory();
     releaseFreeMemory();  // of the map and its products, before the rasters
-    rasters_->write(views_, photos_, store_, cloud, matched_pixel_m, folders_.outdir, times_);
-    return summary_;
+    // What is drawn with one thread goes with what is left of the others.
+    sideBySide(
+        [&] {
+          rasters_->write(views_, photos_, store_, cloud, matched_pixel_m, folders_.outdir, times_);
+        },
+        [&] {
+          writeOctomap();
+          beside(summary_);
+        });
   }
 
  private:
@@ -181,7 +211,7 @@ class DenseMapper {
   DirectoryTileStore deliver(TileMap& map, const FuseOptions& fuse) {
     const StageTimes::Scope scope(times_, "deliver_cloud", CpuClock::kProcess);
     map.leaveMemory();
-    OctoMapBuilder octomap(options_.octomap.resolved(fuse.voxel_m));
+    octomap_.emplace(options_.octomap.resolved(fuse.voxel_m));
     DirectoryTileStore tiles =
         DirectoryTileStore::create(folders_.outdir / "cloud", fuse.tile_m, fuse.voxel_m);
     PlyWriter ply(folders_.outdir / "cloud" / "cloud.ply");
@@ -198,16 +228,21 @@ class DenseMapper {
           [&] {
             if (las) las->add(tile);
           },
-          [&] { rasters_->add(tile); }, [&] { octomap.addSurface(tile); },
+          [&] { rasters_->add(tile); }, [&] { octomap_->addSurface(tile); },
           [&] { tiles.save(tile); });
     });
     tiles.flush();
     ply.close();
     if (las) las->close();
     summary_.points = delivery.points;
-    for (const auto& [centre, points] : rays_) octomap.carve(centre, points);
-    octomap.write(folders_.outdir / "octomap");
     return tiles;
+  }
+
+  void writeOctomap() {
+    const StageTimes::Scope scope(times_, "octomap");
+    for (const auto& [centre, points] : rays_) octomap_->carve(centre, points);
+    octomap_->write(folders_.outdir / "octomap");
+    octomap_.reset();
   }
 
   const std::vector<std::vector<ImageFrame>>& photos_;
@@ -223,16 +258,17 @@ class DenseMapper {
   std::map<FrameId, int> unmapped_;  ///< pairs of a photo that its depth map waits for
   std::vector<std::pair<Eigen::Vector3d, MapPoints>> rays_;  ///< from camera centres
   std::optional<MapRasters> rasters_;
+  std::optional<OctoMapBuilder> octomap_;
   DenseSummary summary_;
 };
 
 }  // namespace
 
-DenseSummary mapDensely(const std::vector<std::vector<ImageFrame>>& photos,
-                        const Alignment& alignment, const GridFrame& grid,
-                        const RunOptions& options, const WorkFolders& folders,
-                        DenseMatching& matching, PhotoStore& store, StageTimes& times) {
-  return DenseMapper(photos, alignment, grid, options, folders, matching, store, times).run();
+void mapDensely(const std::vector<std::vector<ImageFrame>>& photos, const Alignment& alignment,
+                const GridFrame& grid, const RunOptions& options, const WorkFolders& folders,
+                DenseMatching& matching, PhotoStore& store, StageTimes& times,
+                const std::function<void(const DenseSummary&)>& beside) {
+  DenseMapper(photos, alignment, grid, options, folders, matching, store, times).run(beside);
 }
 
 }  // namespace cf

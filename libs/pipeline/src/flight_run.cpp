@@ -59,19 +59,22 @@ class FlightRun {
   std::size_t photos() const { return source_->photoCount(); }
 
   RunRecord run() {
-    const double started = wallSeconds();
+    started_s_ = wallSeconds();
     const WorkFolders folders{request_.outdir, workFolder(request_.outdir)};
     PhotoStore store(folders.work / "photos", kPhotosInMemory);
     DenseMatching matching(folders.work / "depth", options_.densify, store, times_);
     const Alignment alignment = localise(store, folders);
-    const DenseSummary dense =
-        mapDensely(photos_, alignment, world_.grid, options_, folders, matching, store, times_);
-    judge(alignment, record_);
-    collect(dense);
-    if (matching.found() > 0)
-      logInfo(fmt::format("densify: {} pairs were there already", matching.found()));
-    record_.wall_s = wallSeconds() - started;
-    deliverAll(dense);
+    mapDensely(photos_, alignment, world_.grid, options_, folders, matching, store, times_,
+               [&](const DenseSummary& dense) {
+                 judge(alignment, record_);
+                 collect(dense);
+                 if (matching.found() > 0)
+                   logInfo(fmt::format("densify: {} pairs were there already", matching.found()));
+                 deliverAll(dense);
+               });
+    stopTheClock();
+    writeReportJson(record_, request_.outdir);
+    if (options_.deliver.html) writeReportHtml(record_, request_.outdir);
     fs::remove_all(folders.work);  // last of all: while it is there, the run can be resumed
     return std::move(record_);
   }
@@ -169,8 +172,7 @@ class FlightRun {
   }
 
   void deliverAll(const DenseSummary& dense) {
-    record_.stages = times_.all();
-    record_.peak_rss_mb = peakRssMegabytes();
+    stopTheClock();
     deliver(record_, request_.outdir, options_.deliver);
     if (!options_.view.snapshots) return;
     if (dense.points == 0) {
@@ -180,16 +182,18 @@ class FlightRun {
       releaseFreeMemory();
       renderRun(request_.outdir, parseImageSize(options_.view.size));
     }
-    // Once more, with the pictures and their cost.
+  }
+
+  void stopTheClock() {
     record_.stages = times_.all();
     record_.peak_rss_mb = peakRssMegabytes();
-    writeReportJson(record_, request_.outdir);
-    if (options_.deliver.html) writeReportHtml(record_, request_.outdir);
+    record_.wall_s = wallSeconds() - started_s_;
   }
 
   const RunOptions& options_;
   const FlightRunRequest& request_;
   StageTimes times_;
+  double started_s_ = 0;
   World world_;
   std::unique_ptr<StepSource> source_;
   std::vector<std::vector<ImageFrame>> photos_;  ///< by UAV
