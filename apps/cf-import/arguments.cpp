@@ -52,6 +52,12 @@ std::optional<ImportOptions> importArguments(int argc, char** argv) {
                  "standard deviation of GNSS positions in metres, horizontal and vertical, where "
                  "the photos carry none (default 2,4)")
       ->type_name("H,V");
+  app.add_option(
+         "--follow_s", options.follow_s,
+         "photos are still arriving: the rawlogs grow with them, for cf-run to follow, until "
+         "none has come for so long, or Ctrl-C")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->type_name("SECONDS");
   app.add_option("-o,--output", options.out_dir, "folder to write")
       ->required()
       ->type_name("OUTDIR");

@@ -10,7 +10,7 @@
 namespace cf {
 namespace {
 
-constexpr double kQuiet_s = 2;
+constexpr double kQuiet_s = 10;
 
 bool endsAsJpeg(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);

@@ -139,15 +139,12 @@ Eigen::Vector3d defaultSigma(const ImportOptions& options) {
   return {hv.x(), hv.x(), hv.y()};
 }
 
-Flight readFlight(const std::string& name, const fs::path& folder, const ImportOptions& options,
-                  const std::optional<CameraModel>& given, std::size_t& ignored_files,
-                  Warnings& warnings) {
-  PhotoFiles files = findPhotos(folder, options.out_dir);
-  ignored_files += files.others;
-  std::vector<PhotoTags> tags;
+Flight flightOf(const std::string& name, const fs::path& folder, TaggedPhotos photos,
+                const ImportOptions& options, const std::optional<CameraModel>& given,
+                Warnings& warnings) {
+  auto& [files, tags] = photos;
   std::vector<PhotoTime> tagged_times;
-  for (const fs::path& file : files.photos) tags.push_back(readPhotoTags(file));
-  const std::size_t duplicates = dropDuplicates(files.photos, tags);
+  const std::size_t duplicates = dropDuplicates(files, tags);
   if (duplicates != 0)
     warnings.push_back(
         fmt::format("{}: {} photos are copies of others: left out", folder.string(), duplicates));
@@ -156,7 +153,7 @@ Flight readFlight(const std::string& name, const fs::path& folder, const ImportO
   const FlightTimes times = flightTimes(tagged_times);
   for (const std::string& w : times.warnings)
     warnings.push_back(fmt::format("{}: {}", folder.string(), w));
-  const std::vector<std::string> names = uniqueNames(files.photos);
+  const std::vector<std::string> names = uniqueNames(files);
   const Camera usual = usualCamera(tags, given);
 
   Flight flight{name, folder, times.source, {}};
@@ -164,7 +161,7 @@ Flight readFlight(const std::string& name, const fs::path& folder, const ImportO
   for (std::size_t i = 0; i < tags.size(); ++i) {
     cameras.push_back(tags[i].readable ? cameraOf(tags[i], given) : usual);
     ImportedPhoto photo;
-    photo.source = files.photos[i];
+    photo.source = files[i];
     photo.readable = tags[i].readable;
     photo.frame.name = names[i];
     photo.frame.time = times.times[i];
@@ -180,6 +177,16 @@ Flight readFlight(const std::string& name, const fs::path& folder, const ImportO
       [](const ImportedPhoto& a, const ImportedPhoto& b) { return a.frame.time < b.frame.time; });
   warnAbout(tags, cameras, given, folder.string(), warnings);
   return flight;
+}
+
+Flight readFlight(const std::string& name, const fs::path& folder, const ImportOptions& options,
+                  const std::optional<CameraModel>& given, std::size_t& ignored_files,
+                  Warnings& warnings) {
+  PhotoFiles found = findPhotos(folder, options.out_dir);
+  ignored_files += found.others;
+  TaggedPhotos photos{std::move(found.photos), {}};
+  for (const fs::path& file : photos.files) photos.tags.push_back(readPhotoTags(file));
+  return flightOf(name, folder, std::move(photos), options, given, warnings);
 }
 
 std::vector<Flight> splitFlight(const Flight& flight, const std::string& split) {

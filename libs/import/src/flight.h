@@ -29,8 +29,19 @@ struct Flight {
   std::vector<ImportedPhoto> photos;
 };
 
-/// Reads one folder's photos: names, times, cameras, positions. `camera` overrides the tags where
-/// a photo has its shape. Adds to `warnings`.
+/// Photos, in natural order of their paths, and what they say of themselves.
+struct TaggedPhotos {
+  std::vector<std::filesystem::path> files;
+  std::vector<PhotoTags> tags;
+};
+
+/// The flight that a folder's photos make: names, times, cameras, positions. `camera` overrides the
+/// tags where a photo has its shape. Adds to `warnings`.
+Flight flightOf(const std::string& name, const std::filesystem::path& folder, TaggedPhotos photos,
+                const ImportOptions& options, const std::optional<CameraModel>& camera,
+                std::vector<std::string>& warnings);
+
+/// The same of all photos in the folder.
 Flight readFlight(const std::string& name, const std::filesystem::path& folder,
                   const ImportOptions& options, const std::optional<CameraModel>& camera,
                   std::size_t& ignored_files, std::vector<std::string>& warnings);

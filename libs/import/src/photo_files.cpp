@@ -104,7 +104,7 @@ std::string asSectionName(const std::string& name) {
 
 }  // namespace
 
-PhotoFiles findPhotos(const fs::path& folder, const fs::path& out_dir) {
+PhotoFiles listPhotos(const fs::path& folder, const fs::path& out_dir) {
   std::error_code failed;
   if (!fs::is_directory(folder, failed))
     throw UsageError(fmt::format("{} is no folder of photos: is it there?", folder.string()));
@@ -128,11 +128,20 @@ PhotoFiles findPhotos(const fs::path& folder, const fs::path& out_dir) {
     else
       ++found.others;
   }
-  if (found.photos.empty())
-    throw UsageError(fmt::format("{} holds no photo (jpg, jpeg, tif, tiff, png)", folder.string()));
-  std::sort(found.photos.begin(), found.photos.end(), [](const fs::path& a, const fs::path& b) {
+  sortNaturally(found.photos);
+  return found;
+}
+
+void sortNaturally(std::vector<fs::path>& files) {
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return naturalLess(a.string(), b.string());
   });
+}
+
+PhotoFiles findPhotos(const fs::path& folder, const fs::path& out_dir) {
+  PhotoFiles found = listPhotos(folder, out_dir);
+  if (found.photos.empty())
+    throw UsageError(fmt::format("{} holds no photo (jpg, jpeg, tif, tiff, png)", folder.string()));
   return found;
 }
 

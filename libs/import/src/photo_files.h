@@ -15,7 +15,11 @@ struct PhotoFiles {
 
 /// The photos (by extension: jpg, jpeg, tif, tiff, png) in a folder and all folders below. Hidden
 /// files, and what an earlier import wrote into `out_dir`, are not looked at.
-/// Throws UsageError if there is no such folder or no photo in it.
+/// Throws UsageError if there is no such folder.
+PhotoFiles listPhotos(const std::filesystem::path& folder, const std::filesystem::path& out_dir);
+/// By natural order of their paths.
+void sortNaturally(std::vector<std::filesystem::path>& files);
+/// The same as listPhotos(); UsageError too if there is no photo in it.
 PhotoFiles findPhotos(const std::filesystem::path& folder, const std::filesystem::path& out_dir);
 
 /// File names for the photos, one each: the base name, where two are equal with the names of

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,9 @@ struct ImportOptions {
   std::filesystem::path camera;               ///< camera ini, or empty
   std::optional<Eigen::Vector2d> sigma_m;     ///< of fixes without their own: horizontal, vertical
   std::filesystem::path out_dir;
+  /// Photos may still arrive: until none has for so long [s]; 0 = all are there.
+  double follow_s = 0;
+  std::function<bool()> stop;  ///< following: asked now and then; true ends it
 };
 
 /// What became one UAV.
@@ -45,8 +49,10 @@ struct ImportSummary {
 };
 
 /// Turns photo folders into one rawlog per UAV, with linked images, and a config.ini for cf-run,
-/// in options.out_dir. The photos are only read. Throws UsageError for options and inputs that
-/// make no sense, RunError if the output cannot be written.
+/// in options.out_dir. The photos are only read. Following, the rawlogs grow as photos arrive, for
+/// cf-run to follow: a photo is taken when its file is whole, and left out, with a warning, if one
+/// taken later is in the rawlog already. Throws UsageError for options and inputs that make no
+/// sense, RunError if the output cannot be written.
 ImportSummary importFlights(const ImportOptions& options);
 
 }  // namespace cf
