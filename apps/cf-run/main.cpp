@@ -5,12 +5,14 @@
 #include "arguments.h"
 #include "cf/base/error.h"
 #include "cf/config/config.h"
+#include "interruption.h"
 
 namespace {
 
 int run(int argc, char** argv) {
   const auto arguments = cf::runArguments(argc, argv);
   if (!arguments) return 0;  // --help, --version
+  cf::sayWhatAnInterruptionKeeps(*arguments);
   cf::Config config = cf::Config::fromFile(arguments->config);
   for (const std::string& assignment : arguments->overrides) config.override(assignment);
   if (arguments->agent) {

@@ -8,7 +8,9 @@
 #include <cstdlib>
 #include <random>
 #include <set>
+#include <thread>
 
+#include "support/process.h"
 #include "support/synthetic_flight.h"
 #include "support/temp_folder.h"
 
@@ -90,6 +92,53 @@ TEST_F(Interruption, AnInterruptedRunIsNeitherTakenForAResultNorForAnotherRun) {
       << different.output;
   EXPECT_EQ(run(out, "-w", 0).status, 0);
   EXPECT_FALSE(fs::exists(out / ".cf-run"));
+}
+
+/// Ctrl-C at a moment at which there is something to keep, and before.
+TEST_F(Interruption, CtrlCSaysWhatIsKeptAndHowToGoOn) {
+  config_ = support::writeSyntheticFlight(folder_ / "in");
+  const fs::path whole = folder_ / "whole", broken = folder_ / "broken", log = folder_ / "log";
+  ASSERT_EQ(run(whole, "", 0).status, 0);
+  const std::vector<std::string> command = {CF_BIN_DIR "/cf-run",
+                                            config_.string(),
+                                            "-o",
+                                            broken.string(),
+                                            "-s",
+                                            "view.snapshots=false",
+                                            "-s",
+                                            "densify.megapixels=0.1"};
+  for (const int number : {SIGINT, SIGTERM}) {
+    support::Process running(command, log);
+    while (!fs::exists(broken / ".cf-run/photos/0_1.jpg") && running.running())
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    running.signal(number);
+    EXPECT_EQ(running.wait(), 130);
+    const std::string said = support::fileText(log);
+    EXPECT_NE(said.find("cf-run: interrupted: " + broken.string() +
+                        " keeps what was done; the same command with --resume goes on\n"),
+              std::string::npos)
+        << said;
+    const CommandResult resumed = run(broken, "--resume", 0);
+    ASSERT_EQ(resumed.status, 0) << resumed.output;
+    ASSERT_EQ(results(broken), results(whole));
+    for (const std::string& file : results(whole))
+      EXPECT_TRUE(support::fileText(whole / file) == support::fileText(broken / file)) << file;
+    fs::remove_all(broken);
+  }
+  // A flight to be followed that has not begun.
+  std::vector<std::string> waiting = command;
+  waiting.insert(waiting.end(), {"-s", "playback.follow_s=3600"});
+  fs::remove(folder_ / "in/northA.rawlog");
+  fs::remove(folder_ / "in/northB.rawlog");
+  fs::remove(folder_ / "in/northC.rawlog");
+  support::Process running(waiting, log);
+  while (support::fileText(log).find("waiting for the first photos") == std::string::npos)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  running.signal(SIGINT);
+  EXPECT_EQ(running.wait(), 130);
+  EXPECT_NE(support::fileText(log).find("cf-run: interrupted: nothing was written yet\n"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(broken));
 }
 
 }  // namespace

@@ -12,10 +12,6 @@ namespace cf {
 
 class Config;
 
-/// Below the output folder: what only lives as long as the run. While it is there, the run has not
-/// come to its end.
-std::filesystem::path workFolder(const std::filesystem::path& outdir);
-
 /// Throws UsageError where there is a result that nobody asked to replace, an interrupted run that
 /// was neither to be resumed nor overwritten, or one of other settings or recordings.
 void checkOutput(const FlightRunRequest& request, const Config& config, const RunOptions& options);

@@ -24,6 +24,10 @@ struct FlightRunRequest {
   std::filesystem::path seam = {};
 };
 
+/// Below the output folder: what only lives as long as the run. While it is there, the run has not
+/// come to its end, and can be resumed.
+std::filesystem::path workFolder(const std::filesystem::path& outdir);
+
 /// An earlier run came to its end there: nothing is left to resume.
 bool isFinished(const std::filesystem::path& outdir);
 
