@@ -90,13 +90,17 @@ void DsmBuilder::write(TileStore& cloud, const std::filesystem::path& path) cons
       const std::optional<Tile> tile = cloud.load(index);
       lock.unlock();
       if (!tile) throw RunError(path.string() + ": a tile of the cloud is missing");
-      const Eigen::Affine3d T = T_grid_tile(grid_, *tile);
+      // To cells of the window, downwards from its upper left corner.
+      const Eigen::Affine3d T_window_tile = Eigen::Scaling(Eigen::Vector3d(1, -1, 1) / cell_m_) *
+                                            Eigen::Translation3d(-corner.x(), -corner.y(), -low_z) *
+                                            T_grid_tile(grid_, *tile);
+      points.reserve(points.size() + tile->points.size());
       for (const TilePoint& p : tile->points) {
-        const Eigen::Vector3d q = T * p.position_m.cast<double>();
-        points.push_back({static_cast<float>((q.x() - corner.x()) / cell_m_),
-                          static_cast<float>((corner.y() - q.y()) / cell_m_),
-                          static_cast<float>((q.z() - low_z) / cell_m_), p.confidence,
-                          static_cast<float>(p.views)});
+        const Eigen::Vector3f q = (T_window_tile * p.position_m.cast<double>()).cast<float>();
+        if (!(q.x() >= 0 && q.y() >= 0 && q.x() < static_cast<float>(wide.width) &&
+              q.y() < static_cast<float>(wide.height)))
+          continue;
+        points.push_back({q.x(), q.y(), q.z(), p.confidence, static_cast<float>(p.views)});
       }
     }
     if (points.empty()) return window;

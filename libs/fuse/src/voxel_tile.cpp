@@ -9,6 +9,14 @@
 #include <limits>
 #include <utility>
 
+// Compiled for several instruction sets and chosen at run time. Floating-point operations are done
+// lane by lane in each of them: the same result.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define CF_CLONES
+#endif
+
 namespace cf {
 namespace {
 
@@ -53,7 +61,8 @@ struct VoxelTile::Grid {
 /// The running mean of all six at once: the last 16 bytes of a voxel are taken as eight numbers, of
 /// which the first two, views and height, get no share. They are stored in one piece with the
 /// views: what is read in larger pieces than it was just written makes the processor wait.
-void VoxelTile::Voxel::add(const Arrival& arrival, std::uint32_t view_stamp) {
+[[gnu::always_inline]] inline void VoxelTile::Voxel::add(const Arrival& arrival,
+                                                         std::uint32_t view_stamp) {
   static_assert(offsetof(Voxel, mean) + sizeof(mean) == 24);
   constexpr MoreFloats kShared = {0, 0, 1, 1, 1, 1, 1, 1};
   weight += arrival.weight;
@@ -178,7 +187,11 @@ void VoxelTile::startView(std::uint32_t view) {
 std::size_t VoxelTile::add(const Eigen::Vector3d& origin_m, const MapPoint* begin,
                            const MapPoint* end, std::uint32_t view) {
   startView(view);
-  const Grid grid = gridAround(origin_m);
+  return merge(gridAround(origin_m), begin, end);
+}
+
+CF_CLONES std::size_t VoxelTile::merge(const Grid& grid, const MapPoint* begin,
+                                       const MapPoint* end) {
   // In groups, each memory access asked for ahead of its use: waiting for them is most of the time.
   constexpr std::size_t kAtOnce = 64;
   std::array<Arrival, kAtOnce> arrivals;

@@ -79,6 +79,7 @@ class VoxelTile {
   using Slab = std::array<Voxel, kSlabVoxels>;
 
   Grid gridAround(const Eigen::Vector3d& origin_m) const;
+  std::size_t merge(const Grid& grid, const MapPoint* begin, const MapPoint* end);
   bool locate(const Grid& grid, const MapPoint& point, Arrival& arrival);
   Voxel* voxelAt(const Arrival& arrival);
   void startView(std::uint32_t view);
