@@ -4,12 +4,9 @@
 
 namespace cf {
 
-CF_CLONES void WindowSums::subtract(const std::int32_t* row, std::int32_t* columns, int n) {
-  for (int u = 0; u < n; ++u) columns[u] -= row[u];
-}
-
-CF_CLONES void WindowSums::add(const std::int32_t* row, std::int32_t* columns, int n) {
-  for (int u = 0; u < n; ++u) columns[u] += row[u];
+CF_CLONES void WindowSums::exchange(const std::int32_t* coming, const std::int32_t* leaving,
+                                    std::int32_t* columns, int n) {
+  for (int u = 0; u < n; ++u) columns[u] += coming[u] - leaving[u];
 }
 
 CF_CLONES void WindowSums::sum(const std::int32_t* columns, int width, std::int32_t* out) {

@@ -22,37 +22,35 @@ class WindowSums {
   WindowSums(int quantities, int width)
       : quantities_(quantities),
         stride_(static_cast<std::size_t>(width) + 2 * kRadius),
-        rows_(static_cast<std::size_t>(quantities * kSide) * stride_),
+        rows_(static_cast<std::size_t>(quantities * kRows) * stride_),
         columns_(static_cast<std::size_t>(quantities) * stride_),
         width_(width) {}
 
-  /// The row to fill with a quantity; what it held leaves the sums.
-  std::int32_t* begin(int quantity) {
-    std::int32_t* row = rowOf(quantity);
-    subtract(row - kRadius, columnsOf(quantity), static_cast<int>(stride_));
-    return row;
-  }
+  /// The row to fill with a quantity.
+  std::int32_t* begin(int quantity) { return rowOf(quantity, at_) + kRadius; }
   /// Instead of filling it.
   void fillZero(int quantity) { std::fill_n(begin(quantity), width_, 0); }
   void push() {
-    for (int q = 0; q < quantities_; ++q) {
-      add(rowOf(q) - kRadius, columnsOf(q), static_cast<int>(stride_));
-    }
-    at_ = (at_ + 1) % kSide;
+    const int leaving = (at_ + 1) % kRows;
+    for (int q = 0; q < quantities_; ++q)
+      exchange(rowOf(q, at_), rowOf(q, leaving), columnsOf(q), static_cast<int>(stride_));
+    at_ = leaving;
   }
   void sums(int quantity, std::int32_t* out) const {
     sum(columns_.data() + static_cast<std::size_t>(quantity) * stride_, width_, out);
   }
 
  private:
-  std::int32_t* rowOf(int quantity) {
-    return rows_.data() + static_cast<std::size_t>(quantity * kSide + at_) * stride_ + kRadius;
+  static constexpr int kRows = kSide + 1;  ///< of the window, and the one that leaves it
+
+  std::int32_t* rowOf(int quantity, int row) {
+    return rows_.data() + static_cast<std::size_t>(quantity * kRows + row) * stride_;
   }
   std::int32_t* columnsOf(int quantity) {
     return columns_.data() + static_cast<std::size_t>(quantity) * stride_;
   }
-  static void subtract(const std::int32_t* row, std::int32_t* columns, int n);
-  static void add(const std::int32_t* row, std::int32_t* columns, int n);
+  static void exchange(const std::int32_t* coming, const std::int32_t* leaving,
+                       std::int32_t* columns, int n);
   static void sum(const std::int32_t* columns, int width, std::int32_t* out);
 
   int quantities_;

@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cf/fuse/deliver_cloud.h"
 
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <map>
-#include <optional>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "cf/fuse/cleaning.h"
@@ -15,7 +16,7 @@
 namespace cf {
 namespace {
 
-constexpr std::size_t kTilesAtOnce = 4;  ///< cleaned side by side
+constexpr std::size_t kTilesAtOnce = 4;  ///< on their way side by side
 
 /// Tiles of a map; the longest unused make room.
 class TileCache {
@@ -24,17 +25,17 @@ class TileCache {
     for (const TileIndex index : map.indices()) entries_[index];
   }
 
-  /// Null where there is no such tile. Valid until the next makeRoom().
-  const Tile* get(TileIndex index) {
+  /// Null where there is no such tile.
+  std::shared_ptr<const Tile> get(TileIndex index) {
     const auto found = entries_.find(index);
     if (found == entries_.end()) return nullptr;
     Entry& entry = found->second;
     entry.used = ++clock_;
     if (!entry.tile) {
-      entry.tile = map_.tile(index);
+      entry.tile = std::make_shared<const Tile>(map_.tile(index));
       bytes_ += bytesOf(*entry.tile);
     }
-    return &*entry.tile;
+    return entry.tile;
   }
 
   /// Drops what is in no neighbourhood any more, when the tiles from `next` on are left.
@@ -51,7 +52,7 @@ class TileCache {
 
  private:
   struct Entry {
-    std::optional<Tile> tile;
+    std::shared_ptr<const Tile> tile;
     std::uint64_t used = 0;
   };
   static std::size_t bytesOf(const Tile& tile) { return tile.points.size() * sizeof(TilePoint); }
@@ -90,35 +91,52 @@ Delivery deliverCloud(const TileMap& map, const FuseOptions& options,
   Delivery delivery;
   TileCache cache(map, static_cast<std::size_t>(options.max_memory_mb) << 20);
   const std::vector<TileIndex> indices = map.indices();
-  for (std::size_t begin = 0; begin < indices.size(); begin += kTilesAtOnce) {
-    const std::size_t count = std::min(kTilesAtOnce, indices.size() - begin);
-    std::vector<const Tile*> raw(count);
-    std::vector<std::vector<const Tile*>> neighbours(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const TileIndex index = indices[begin + i];
-      raw[i] = cache.get(index);
-      for (std::int32_t dx = -1; dx <= 1; ++dx)
-        for (std::int32_t dy = -1; dy <= 1; ++dy) {
-          if (dx == 0 && dy == 0) continue;
-          if (const Tile* tile = cache.get({index.x + dx, index.y + dy}))
-            neighbours[i].push_back(tile);
-        }
+  struct Job {
+    std::shared_ptr<const Tile> raw;
+    std::vector<std::shared_ptr<const Tile>> neighbours;
+    Tile clean;
+    Delivery left_out;
+  };
+  using Item = std::shared_ptr<Job>;
+  std::size_t next = 0;
+  const auto take = [&](tbb::flow_control& control) -> Item {
+    if (next == indices.size()) {
+      control.stop();
+      return nullptr;
     }
-    std::vector<Tile> clean(count);
-    std::vector<Delivery> parts(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      clean[i] = finished(*raw[i], neighbours[i], options, parts[i]);
-    });
-    if (begin + count < indices.size()) cache.makeRoom(indices[begin + count]);
-    for (std::size_t i = 0; i < count; ++i) {
-      delivery.flying += parts[i].flying;
-      delivery.uncertain += parts[i].uncertain;
-      if (clean[i].points.empty()) continue;
-      ++delivery.tiles;
-      delivery.points += clean[i].points.size();
-      sink(clean[i]);
-    }
-  }
+    const TileIndex index = indices[next++];
+    auto job = std::make_shared<Job>();
+    job->raw = cache.get(index);
+    for (std::int32_t dx = -1; dx <= 1; ++dx)
+      for (std::int32_t dy = -1; dy <= 1; ++dy) {
+        if (dx == 0 && dy == 0) continue;
+        if (auto tile = cache.get({index.x + dx, index.y + dy}))
+          job->neighbours.push_back(std::move(tile));
+      }
+    if (next < indices.size()) cache.makeRoom(indices[next]);
+    return job;
+  };
+  const auto clean = [&](const Item& job) {
+    std::vector<const Tile*> neighbours;
+    for (const auto& tile : job->neighbours) neighbours.push_back(tile.get());
+    job->clean = finished(*job->raw, neighbours, options, job->left_out);
+    job->raw.reset();
+    job->neighbours.clear();
+    return job;
+  };
+  const auto deliver = [&](const Item& job) {
+    delivery.flying += job->left_out.flying;
+    delivery.uncertain += job->left_out.uncertain;
+    if (job->clean.points.empty()) return;
+    ++delivery.tiles;
+    delivery.points += job->clean.points.size();
+    sink(job->clean);
+  };
+  constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
+  tbb::parallel_pipeline(kTilesAtOnce,
+                         tbb::make_filter<void, Item>(kInOrder, take) &
+                             tbb::make_filter<Item, Item>(tbb::filter_mode::parallel, clean) &
+                             tbb::make_filter<Item, void>(kInOrder, deliver));
   return delivery;
 }
 
