@@ -129,7 +129,7 @@ TEST(Cleaning, KeepsGroundThatOnePairSaw) {
   scene.plane(20, 0, 40, 40, 0, 1, kSinglePair, 0.5);
   for (int i = 0; i < 12; ++i)  // and islands of it, with nothing else in their columns
     scene.plane(45, 3 * i, 46.5, 3 * i + 1.5, 0, 1, kSinglePair);
-  EXPECT_GE(scene.kept(kSinglePair), 0.99);
+  EXPECT_GE(scene.kept(kSinglePair), 0.97);  // all but the rim beside ground seen six times
 }
 
 TEST(Cleaning, NeighboursSupportAcrossTheBorder) {

@@ -24,7 +24,7 @@ constexpr double kVoxelsPerCell = 1.8;
 constexpr int kMaxDoublings = 4;
 /// A voxel is doubted where the best seen one in the columns around was seen so many times as
 /// often.
-constexpr int kDoubtfulShare = 8;
+constexpr int kDoubtfulShare = 5;
 constexpr double kMarginCells = 16;  ///< of the neighbours' border that counts
 
 /// Connected cells.
