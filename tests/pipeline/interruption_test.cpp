@@ -132,7 +132,8 @@ TEST_F(Interruption, CtrlCSaysWhatIsKeptAndHowToGoOn) {
   fs::remove(folder_ / "in/northB.rawlog");
   fs::remove(folder_ / "in/northC.rawlog");
   support::Process running(waiting, log);
-  while (support::fileText(log).find("waiting for the first photos") == std::string::npos)
+  while (support::fileText(log).find("waiting for the first photos") == std::string::npos &&
+         running.running())
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   running.signal(SIGINT);
   EXPECT_EQ(running.wait(), 130);

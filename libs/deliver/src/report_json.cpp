@@ -83,6 +83,9 @@ void writeReportJson(const RunRecord& run, const std::filesystem::path& outdir) 
     report["stages"][stage] = {{"wall_s", finite(s.wall_s)}, {"cpu_s", finite(s.cpu_s)}};
   const Latency latency = latencyOf(run.latencies_s);
   report["latency_s"] = {{"p50", latency.p50}, {"p95", latency.p95}, {"max", latency.max}};
+  if (run.real_time)
+    report["real_time"] = {{"most_behind_s", run.real_time->most_behind_s},
+                           {"left_out_live", run.real_time->left_out_live}};
   report["uavs"] = Json::object();
   for (const auto& uav : run.uavs) report["uavs"][uav.name] = uavJson(uav);
   report["relative_poses"] = run.relative_poses.size();

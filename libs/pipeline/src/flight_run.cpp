@@ -118,7 +118,7 @@ class FlightRun {
     if (options_.playback.inRealTime() || options_.view.live_every_s > 0)
       live.emplace(options_, center, photos_, folders.work / "live-tiles", folders.outdir / "live",
                    store, times_);
-    playFlight(*source_, options_.playback, centre, live ? &*live : nullptr, photos_, taken_);
+    playFlight(*source_, options_.playback, centre, live ? &*live : nullptr, photos_, photo_times_);
     for (auto& of_uav : photos_)
       for (ImageFrame& photo : of_uav)
         if (photo.file.empty()) photo.file = store.file(photo.id);
@@ -150,6 +150,7 @@ class FlightRun {
   void judgeLive(const LiveMap& live) {
     shown_s_ = live.shown();
     if (!options_.playback.inRealTime()) return;
+    record_.real_time = RealTimeRecord{source_->mostBehind_s(), live.leftOut()};
     if (source_->mostBehind_s() > 1)
       warn(record_,
            fmt::format("playback could not keep up: photos were taken up {:.1f} s late at worst",
@@ -165,7 +166,7 @@ class FlightRun {
     for (const auto& [id, finished] : dense.finished_s) {
       const auto shown = shown_s_.find(id);
       record_.latencies_s.push_back((shown == shown_s_.end() ? finished : shown->second) -
-                                    taken_.of(id));
+                                    photo_times_.of(id).taken_s);
     }
     for (const auto& [code, count] : dense.failures)
       logInfo(fmt::format("densify: {} pairs without depth: {}", count, code));
@@ -197,7 +198,7 @@ class FlightRun {
   World world_;
   std::unique_ptr<StepSource> source_;
   std::vector<std::vector<ImageFrame>> photos_;  ///< by UAV
-  TakenTimes taken_;
+  PhotoTimes photo_times_;
   std::map<FrameId, double> shown_s_;  ///< wall time of a photo in the live map
   RunRecord record_;
 };

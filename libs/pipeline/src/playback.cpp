@@ -12,20 +12,30 @@
 
 namespace cf {
 
-void TakenTimes::set(FrameId photo, double wall_s) {
+namespace {
+
+/// What is to be done for a version of the map, and since when.
+struct Version {
+  LiveMap::Job job;
+  double published_s = 0;
+};
+
+}  // namespace
+
+void PhotoTimes::set(FrameId photo, const Times& times) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  wall_s_[photo] = wall_s;
+  times_[photo] = times;
 }
 
-double TakenTimes::of(FrameId photo) const {
+PhotoTimes::Times PhotoTimes::of(FrameId photo) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return wall_s_.at(photo);
+  return times_.at(photo);
 }
 
 void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode& centre,
-                LiveMap* live, std::vector<std::vector<ImageFrame>>& photos, TakenTimes& taken) {
+                LiveMap* live, std::vector<std::vector<ImageFrame>>& photos, PhotoTimes& times) {
   using Step = StepSource::Step;
-  using Job = std::shared_ptr<LiveMap::Job>;
+  using Job = std::shared_ptr<Version>;
   using Depth = std::shared_ptr<LiveMap::Depth>;
   FlightProgress progress(source, options.inRealTime());
   const auto receive = [&](const Step& step) {
@@ -33,17 +43,21 @@ void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode&
       const FrameId id = step->photo->id;
       if (photos[id.uav].empty()) centre.introduce(id.uav, step->photo->camera);
       photos[id.uav].push_back(*step->photo);
-      taken.set(id, step->taken_s);
+      times.set(id, {step->taken_s, wallSeconds()});
     }
     progress.advance(*step);
     const PoseTable* version = centre.receive(std::move(step->step));
-    return std::make_shared<LiveMap::Job>(live && version ? live->jobOf(*version) : LiveMap::Job{});
+    auto job = live && version ? live->jobOf(*version) : LiveMap::Job{};
+    return std::make_shared<Version>(Version{std::move(job), wallSeconds()});
   };
-  const auto late = [&](FrameId id) {
-    return options.inRealTime() && wallSeconds() - taken.of(id) > options.max_lag_s;
-  };
-  const auto match = [&](const Job& job) {
-    return std::make_shared<LiveMap::Depth>(live ? live->match(std::move(*job), late)
+  const auto match = [&](const Job& version) {
+    // That a photo had to wait for its version does not mean that we are behind.
+    const auto late = [&](FrameId id) {
+      const PhotoTimes::Times of = times.of(id);
+      const double behind_s = of.received_s - of.taken_s + wallSeconds() - version->published_s;
+      return options.inRealTime() && behind_s > options.max_lag_s;
+    };
+    return std::make_shared<LiveMap::Depth>(live ? live->match(std::move(version->job), late)
                                                  : LiveMap::Depth{});
   };
   const auto show = [&](const Depth& depth) {

@@ -13,15 +13,19 @@
 
 namespace cf {
 
-/// Wall time at which each photo was there to be taken up. Thread-safe.
-class TakenTimes {
+/// When photos came. Thread-safe.
+class PhotoTimes {
  public:
-  void set(FrameId photo, double wall_s);
-  double of(FrameId photo) const;
+  struct Times {
+    double taken_s = 0;     ///< wall time at which it was there to be taken up
+    double received_s = 0;  ///< and at which the centre had it
+  };
+  void set(FrameId photo, const Times& times);
+  Times of(FrameId photo) const;
 
  private:
   mutable std::mutex mutex_;
-  std::map<FrameId, double> wall_s_;
+  std::map<FrameId, Times> times_;
 };
 
 /// Photos on their way from the source through the centre; of each its features and its JPEG are
@@ -31,8 +35,8 @@ inline constexpr std::size_t kStepsInFlight = 16;
 /// All steps of the source to the centre, which takes them up in order beside the stages of the
 /// source: while the centre solves, these go on, up to a bounded number of photos ahead. The result
 /// depends neither on timing nor on the number of threads. Each version of the map goes to `live`,
-/// if there is one, beside all this. Adds to `photos` (by UAV) and `taken` what comes.
+/// if there is one, beside all this. Adds to `photos` (by UAV) and `times` what comes.
 void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode& centre,
-                LiveMap* live, std::vector<std::vector<ImageFrame>>& photos, TakenTimes& taken);
+                LiveMap* live, std::vector<std::vector<ImageFrame>>& photos, PhotoTimes& times);
 
 }  // namespace cf

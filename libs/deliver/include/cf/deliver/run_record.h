@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,12 @@ struct WorldRecord {
   std::string center;  ///< name of the central UAV
 };
 
+/// How a run kept up with a flight.
+struct RealTimeRecord {
+  double most_behind_s = 0;       ///< that a photo was taken up after it could have been
+  std::size_t left_out_live = 0;  ///< photos that the live map is without
+};
+
 /// Everything that a run knows at its end.
 struct RunRecord {
   std::string version;
@@ -61,7 +68,8 @@ struct RunRecord {
   std::vector<RelativePose> relative_poses;
   std::vector<SparsePoint> sparse_points;
   std::map<std::string, StageSeconds> stages;
-  std::vector<double> latencies_s;  ///< from a photo's arrival to its last product, each
+  std::vector<double> latencies_s;          ///< from a photo's arrival to its last product, each
+  std::optional<RealTimeRecord> real_time;  ///< none: as fast as possible
   std::uint64_t bytes_over_seam = 0;
   double wall_s = 0;
   double peak_rss_mb = 0;
