@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "dot_tile.h"
@@ -28,25 +29,44 @@ std::vector<std::int32_t> squaredNorms(const FeatureSet& set, int padded) {
   return norms;
 }
 
-/// Nearest and second nearest of one descriptor of a among every 32nd of b.
+constexpr int kLanes = 16;
+using Lanes = std::int32_t __attribute__((vector_size(4 * kLanes)));
+
+[[gnu::always_inline]] inline Lanes load(const std::int32_t* from) {
+  Lanes lanes;
+  std::memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+[[gnu::always_inline]] inline void store(const Lanes& lanes, std::int32_t* to) {
+  std::memcpy(to, &lanes, sizeof lanes);
+}
+
+/// Nearest and second nearest of one descriptor of a among every 16th of b.
 struct RowBest {
-  std::int32_t best[kTileColumns], second[kTileColumns], tile[kTileColumns];
+  std::int32_t best[kLanes], second[kLanes], block[kLanes];
 };
 
-/// Squared distances from the products, entered into the bests of the tile's row and columns. The
-/// first of equals stays.
-CF_CLONES void enter(const std::int32_t* dots, std::int32_t row_norm, int row, int tile,
-                     const std::int32_t* column_norm, RowBest& row_best, std::int32_t* column_best,
-                     std::int32_t* column_row) {
-  for (int c = 0; c < kTileColumns; ++c) {
-    const std::int32_t d = row_norm + column_norm[c] - 2 * dots[c];
-    const std::int32_t best = row_best.best[c], second = row_best.second[c];
-    const std::int32_t loser = d < best ? best : d;
-    row_best.second[c] = loser < second ? loser : second;
-    row_best.tile[c] = d < best ? tile : row_best.tile[c];
-    row_best.best[c] = d < best ? d : best;
-    column_row[c] = d < column_best[c] ? row : column_row[c];
-    column_best[c] = d < column_best[c] ? d : column_best[c];
+/// Squared distances from the products of a tile, entered into the bests of its rows and columns.
+/// The first of equals stays. Blocks are sixteen columns wide.
+CF_CLONES void enter(const std::int32_t* dots, const std::int32_t* row_norm, int first_row,
+                     int rows, int first_block, const std::int32_t* column_norm, RowBest* row_best,
+                     std::int32_t* column_best, std::int32_t* column_row) {
+  for (int c = 0; c < kTileColumns; c += kLanes) {
+    const Lanes norm = load(column_norm + c);
+    Lanes nearest = load(column_best + c), nearest_row = load(column_row + c);
+    for (int r = 0; r < rows; ++r) {
+      RowBest& row = row_best[r];
+      const Lanes d = row_norm[r] + norm - 2 * load(dots + r * kTileColumns + c);
+      const Lanes best = load(row.best), second = load(row.second), block = load(row.block);
+      const Lanes loser = d < best ? best : d;
+      store(loser < second ? loser : second, row.second);
+      store(d < best ? Lanes{} + (first_block + c / kLanes) : block, row.block);
+      store(d < best ? d : best, row.best);
+      nearest_row = d < nearest ? Lanes{} + (first_row + r) : nearest_row;
+      nearest = d < nearest ? d : nearest;
+    }
+    store(nearest, column_best + c);
+    store(nearest_row, column_row + c);
   }
 }
 
@@ -54,8 +74,8 @@ CF_CLONES void enter(const std::int32_t* dots, std::int32_t row_norm, int row, i
 int distinctNearest(const RowBest& row, double ratio) {
   std::int32_t best = kFar, second = kFar;
   int nearest = -1;
-  for (int c = 0; c < kTileColumns; ++c) {
-    const int column = row.tile[c] * kTileColumns + c;
+  for (int c = 0; c < kLanes; ++c) {
+    const int column = row.block[c] * kLanes + c;
     const bool wins = row.best[c] < best || (row.best[c] == best && column < nearest);
     second = std::min({second, row.second[c], wins ? best : row.best[c]});
     if (!wins) continue;
@@ -83,17 +103,15 @@ std::vector<FeatureMatch> matchFeatures(const FeatureSet& a, const FeatureSet& b
     for (RowBest& row : best) {
       std::fill(std::begin(row.best), std::end(row.best), kFar);
       std::fill(std::begin(row.second), std::end(row.second), kFar);
-      std::fill(std::begin(row.tile), std::end(row.tile), 0);
+      std::fill(std::begin(row.block), std::end(row.block), 0);
     }
     const int first = i * kTileRows, count = std::min(kTileRows, rows - first);
     for (int j = 0; j < tiles.tileColumns(); ++j) {
       std::int32_t dots[kTileRows * kTileColumns];
       tiles.compute(i, j, dots);
       const auto column = static_cast<std::size_t>(j * kTileColumns);
-      for (int r = 0; r < count; ++r)
-        enter(dots + r * kTileColumns, norm_a[static_cast<std::size_t>(first + r)], first + r, j,
-              norm_b.data() + column, best[r], column_best.data() + column,
-              column_row.data() + column);
+      enter(dots, norm_a.data() + first, first, count, j * (kTileColumns / kLanes),
+            norm_b.data() + column, best, column_best.data() + column, column_row.data() + column);
     }
     for (int r = 0; r < count; ++r)
       nearest[static_cast<std::size_t>(first + r)] = distinctNearest(best[r], options.ratio);
