@@ -3,8 +3,9 @@
 #include <zlib.h>
 
 #include <cmath>
+#include <fstream>
 
-#include "cf/rawlog/rawlog_reader.h"
+#include "cf/rawlog/rawlog_follower.h"
 #include "fuzz/fuzz_target.h"
 #include "support/mrpt_leak.h"
 #include "support/recordings.h"
@@ -42,6 +43,27 @@ std::vector<std::string> cf::fuzz::seeds() {
   return made;
 }
 
+namespace {
+
+/// The same bytes, of which a part comes first.
+void followInTwoParts(cf::fuzz::InputFile& file, const std::uint8_t* data, std::size_t size) {
+  const auto& path = file.put(data, size / 2);
+  cf::fuzz::expectOneLineAtMost(path, [&] {
+    cf::RawlogFollower follower(path);
+    std::vector<cf::ImageFrame> photos = follower.poll().photos;
+    std::ofstream(path, std::ios::binary | std::ios::app)
+        .write(reinterpret_cast<const char*>(data) + size / 2,
+               static_cast<std::streamsize>(size - size / 2));
+    for (const cf::UavRecording& r : {follower.poll(), follower.finish()})
+      photos.insert(photos.end(), r.photos.begin(), r.photos.end());
+    for (std::size_t i = 0; i < photos.size(); ++i)
+      cf::fuzz::require(photos[i].id.index == i && (i == 0 || photos[i - 1].time <= photos[i].time),
+                        "photos in time order, whenever they come");
+  });
+}
+
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static cf::fuzz::InputFile file("uav.rawlog");
   const auto& path = file.put(data, size);
@@ -74,5 +96,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const std::string& warning : r.warnings)
       require(warning.find('\n') == std::string::npos, "warnings of one line");
   });
+  followInTwoParts(file, data, size);
   return 0;
 }
