@@ -3,6 +3,7 @@
 #include "cf/deliver/deliver.h"
 
 #include "cf/base/log.h"
+#include "cf/deliver/hand_over.h"
 
 namespace cf {
 
@@ -25,7 +26,8 @@ std::vector<std::string> allWarnings(const RunRecord& run) {
   if (run.world.relative) {
     warnings.push_back(
         "no GNSS position at all: the map is relative (arbitrary origin and heading); "
-        "all.geojson, all.kml and *.ecef.csv are left out, cloud.las and the rasters have no "
+        "all.geojson, all.kml, *.ecef.csv, shots.geojson and map.kml are left out, cloud.las and "
+        "the rasters have no "
         "reference system");
   } else if (run.world.h_datum != HeightDatum::kEllipsoid) {
     warnings.push_back(run.world.h_datum == HeightDatum::kMsl
@@ -35,6 +37,12 @@ std::vector<std::string> allWarnings(const RunRecord& run) {
                              "ellipsoidal");
   }
   return warnings;
+}
+
+void handOver(const RunRecord& run, const std::filesystem::path& outdir) {
+  writeColmapModel(run, outdir);
+  writeShotsGeojson(run, outdir);
+  writeMapKml(run, outdir);
 }
 
 void deliver(const RunRecord& run, const std::filesystem::path& outdir,
@@ -51,6 +59,7 @@ void deliver(const RunRecord& run, const std::filesystem::path& outdir,
   writeGraphs(run, outdir);
   writeRelativePoses(run, outdir);
   writeSparsePly(run, outdir);
+  if (options.handover) handOver(run, outdir);
   if (run.world.relative) logWarning(allWarnings(run).back());
   writeReportJson(run, outdir);
   if (options.html) writeReportHtml(run, outdir);

@@ -13,6 +13,9 @@ void DeliverOptions::visit(OptionVisitor& v) {
   v.flag("orthophoto", orthophoto, "write orthophoto.tif: the photos laid on that surface");
   v.number("orthophoto_gsd_m", orthophoto_gsd_m, {0, 100},
            "side of its pixels [m], about; 0 = half a matched pixel, but no finer than the photos");
+  v.flag("handover", handover,
+         "write colmap/ (COLMAP's text model), shots.geojson (as OpenDroneMap's) and map.kml for "
+         "other programs");
   v.flag("depth_maps", depth_maps,
          "write depth/<uav>/<photo>.tif: depth along the optical axis [m] on every STEP-th pixel "
          "of the photo, 0 = nothing");

@@ -6,7 +6,8 @@
 
 namespace cf {
 
-/// Text as it may stand in XML and HTML, attributes included.
+/// Text as it may stand in XML and HTML, attributes included: what is not UTF-8 becomes a question
+/// mark.
 std::string markupEscaped(const std::string& text);
 
 std::string base64(const unsigned char* bytes, std::size_t count);

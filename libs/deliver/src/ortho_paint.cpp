@@ -6,6 +6,12 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define CF_CLONES
+#endif
+
 namespace cf {
 namespace {
 
@@ -20,6 +26,15 @@ struct Canvas {
   cv::Mat colours;  ///< CV_32FC3
   cv::Mat weights;  ///< CV_32FC1
 };
+
+/// Compiled for several instruction sets and chosen at run time: the same result from each.
+CF_CLONES void addRow(const std::uint8_t* share, const std::uint8_t* share_of_colour,
+                      const std::uint8_t* colour, const float* factor, int width,
+                      float* __restrict sum, float* __restrict weight) {
+  for (int x = 0; x < width; ++x) weight[x] += static_cast<float>(share[x]);
+  for (int c = 0; c < 3 * width; ++c)
+    sum[c] += static_cast<float>(share_of_colour[c]) * factor[c] * static_cast<float>(colour[c]);
+}
 
 /// One photo on the canvas, block by block of nodes.
 class Painter {
@@ -47,7 +62,7 @@ class Painter {
     cv::Mat places(wide.size(), CV_32FC2);
     for (int y = 0; y < wide.height; ++y)
       for (int x = 0; x < wide.width; ++x) {
-        const auto sight = view_.project(ground_.local(wide.x + x, wide.y + y));
+        const auto sight = view_.place(ground_.local(wide.x + x, wide.y + y));
         places.at<cv::Vec2f>(y, x) = {
             (sight.u + 0.5F) * scale_ - 0.5F - static_cast<float>(crop_.corner.x),
             (sight.v + 0.5F) * scale_ - 0.5F - static_cast<float>(crop_.corner.y)};
@@ -108,19 +123,13 @@ class Painter {
     cv::Mat factors;
     cv::warpAffine(factors_, factors, to_cells, colours.size(),
                    cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
-    for (int y = 0; y < colours.rows; ++y) {
-      const auto* share = shares.ptr<std::uint8_t>(y);
-      const auto* colour = colours.ptr<std::uint8_t>(y);
-      const auto* factor = factors.ptr<float>(y);
-      auto* sum = canvas.colours.ptr<float>(block.y * n_ + y) + 3 * block.x * n_;
-      auto* weight = canvas.weights.ptr<float>(block.y * n_ + y) + block.x * n_;
-      for (int x = 0; x < colours.cols; ++x) {
-        const auto w = static_cast<float>(share[x]);
-        weight[x] += w;
-        for (int c = 3 * x; c < 3 * x + 3; ++c)
-          sum[c] += w * factor[c] * static_cast<float>(colour[c]);
-      }
-    }
+    cv::Mat wide;
+    cv::cvtColor(shares, wide, cv::COLOR_GRAY2BGR);  // a share for each colour
+    for (int y = 0; y < colours.rows; ++y)
+      addRow(shares.ptr<std::uint8_t>(y), wide.ptr<std::uint8_t>(y), colours.ptr<std::uint8_t>(y),
+             factors.ptr<float>(y), colours.cols,
+             canvas.colours.ptr<float>(block.y * n_ + y) + 3 * block.x * n_,
+             canvas.weights.ptr<float>(block.y * n_ + y) + block.x * n_);
   }
 
   const OrthoGround& ground_;

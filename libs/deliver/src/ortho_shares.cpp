@@ -208,7 +208,7 @@ class Sharing {
     for (int y = 0; y < wide.height; ++y)
       for (int x = 0; x < wide.width; ++x) {
         if (grown.at<std::uint8_t>(y, x) == 0 || shrunk.at<std::uint8_t>(y, x) != 0) continue;
-        const auto sight = view.project(ground_.local(wide.x + x, wide.y + y));
+        const auto sight = view.place(ground_.local(wide.x + x, wide.y + y));
         if (sight.border <= -1) continue;  // behind the camera
         low_u = std::min(low_u, sight.u);
         low_v = std::min(low_v, sight.v);

@@ -44,12 +44,19 @@ PhotoProjection::PhotoProjection(const OrthoPhoto& photo, double sight_limit,
 }
 
 PhotoProjection::Sight PhotoProjection::project(const Eigen::Vector3d& p) const {
+  Sight sight = place(p);
+  if (sight.border > -1) sight.steepness = steepness(p);
+  return sight;
+}
+
+PhotoProjection::Sight PhotoProjection::place(const Eigen::Vector3d& p) const {
   Sight sight;
   const double x = p.x(), y = p.y(), z = p.z();
   const double cz = A_(2, 0) * x + A_(2, 1) * y + A_(2, 2) * z + b_.z();
   if (!(cz > 0) || !(centre_.z() > z)) return sight;
-  const double nx = (A_(0, 0) * x + A_(0, 1) * y + A_(0, 2) * z + b_.x()) / cz;
-  const double ny = (A_(1, 0) * x + A_(1, 1) * y + A_(1, 2) * z + b_.y()) / cz;
+  const double per_z = 1 / cz;
+  const double nx = (A_(0, 0) * x + A_(0, 1) * y + A_(0, 2) * z + b_.x()) * per_z;
+  const double ny = (A_(1, 0) * x + A_(1, 1) * y + A_(1, 2) * z + b_.y()) * per_z;
   const double r2 = nx * nx + ny * ny;
   if (r2 > sight_limit_) return sight;
   const CameraModel& c = camera_;
@@ -59,7 +66,6 @@ PhotoProjection::Sight PhotoProjection::project(const Eigen::Vector3d& p) const 
   sight.u = static_cast<float>(u);
   sight.v = static_cast<float>(v);
   sight.border = static_cast<float>(std::min({u, v, c.width - 1 - u, c.height - 1 - v}) / c.width);
-  sight.steepness = steepness(p);
   return sight;
 }
 

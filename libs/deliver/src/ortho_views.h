@@ -29,6 +29,8 @@ class PhotoProjection {
     float steepness = 0;  ///< tangent of the angle between the sight and the vertical
   };
   Sight project(const Eigen::Vector3d& p) const;
+  /// Without the steepness.
+  Sight place(const Eigen::Vector3d& p) const;
   /// Of the sight alone, wherever it falls.
   float steepness(const Eigen::Vector3d& p) const {
     return static_cast<float>((centre_ - p).head<2>().norm() / (centre_.z() - p.z()));

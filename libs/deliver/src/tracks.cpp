@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "cf/deliver/deliver.h"
@@ -10,8 +9,7 @@
 #include "cf/formats/csv.h"
 #include "cf/formats/pose_covariance_csv.h"
 #include "cf/formats/tum.h"
-#include "cf/geodesy/local_frame.h"
-#include "escape.h"
+#include "geographic.h"
 #include "out_path.h"
 
 namespace cf {
@@ -20,22 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-LocalFrame frameOf(const WorldRecord& world) {
-  return LocalFrame(world.latitude_deg, world.longitude_deg, world.height_m);
-}
-
 std::vector<TimedPose> timed(const UavRecord& uav, const std::vector<PhotoPose>& poses) {
   std::vector<TimedPose> out;
   for (const auto& pose : poses) out.push_back({photoOf(uav, pose.photo).time, pose.T_world_cam});
   return out;
-}
-
-// So that coordinates stay short: 1e-9 degrees is 0.1 mm.
-double rounded(double value, double step) { return std::round(value / step) * step; }
-
-json coordinates(const LocalFrame& frame, const PhotoPose& pose) {
-  const Geodetic g = frame.toGeodetic(pose.T_world_cam.translation());
-  return {rounded(g.longitude_deg, 1e-9), rounded(g.latitude_deg, 1e-9), rounded(g.height_m, 1e-4)};
 }
 
 }  // namespace
@@ -81,7 +67,8 @@ void writeGeojson(const RunRecord& run, const fs::path& outdir) {
   json features = json::array();
   for (const auto& uav : run.uavs) {
     json line = json::array();
-    for (const auto& pose : uav.final_trajectory) line.push_back(coordinates(frame, pose));
+    for (const auto& pose : uav.final_trajectory)
+      line.push_back(lonLatHeight(frame, pose.T_world_cam.translation()));
     if (line.size() > 1)
       features.push_back({{"type", "Feature"},
                           {"properties", {{"uav", uav.name}, {"photos", line.size()}}},
@@ -98,31 +85,6 @@ void writeGeojson(const RunRecord& run, const fs::path& outdir) {
   const json all = {{"type", "FeatureCollection"}, {"features", features}};
   writeFileAtomically(outPath(outdir, "trajectories", "all.geojson"),
                       all.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
-}
-
-void writeKml(const RunRecord& run, const fs::path& outdir) {
-  if (run.world.relative) return;
-  const LocalFrame frame = frameOf(run.world);
-  std::string kml =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n"
-      "<name>Trajectories</name>\n";
-  for (const auto& uav : run.uavs) {
-    if (uav.final_trajectory.empty()) continue;
-    // aabbggrr; the central UAV is white as in the pictures.
-    const char* colour = uav.name == run.world.center ? "ffffffff" : "ff00d6ff";
-    kml += fmt::format(
-        "<Placemark>\n<name>{}</name>\n<Style><LineStyle><color>{}</color><width>3</width>"
-        "</LineStyle></Style>\n<LineString><altitudeMode>absolute</altitudeMode>\n<coordinates>\n",
-        markupEscaped(uav.name), colour);
-    for (const auto& pose : uav.final_trajectory) {
-      const Geodetic g = frame.toGeodetic(pose.T_world_cam.translation());
-      kml += fmt::format("{:.9f},{:.9f},{:.3f}\n", g.longitude_deg, g.latitude_deg, g.height_m);
-    }
-    kml += "</coordinates></LineString>\n</Placemark>\n";
-  }
-  kml += "</Document>\n</kml>\n";
-  writeFileAtomically(outPath(outdir, "trajectories", "all.kml"), kml);
 }
 
 }  // namespace cf

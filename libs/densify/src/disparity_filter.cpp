@@ -57,6 +57,32 @@ CF_INLINE void fillBefore(std::int16_t* line, std::ptrdiff_t stride, int k, int 
   last = k;
 }
 
+/// Pixels [first, end) of a row that belong together.
+struct Run {
+  int row, first, end;
+};
+
+/// 1 where the next pixel of the row does not belong to this one, and at the last.
+CF_CLONES void markEnds(const std::int16_t* d, int n, int step, std::uint8_t* ends) {
+  for (int u = 0; u + 1 < n; ++u) {
+    const int difference = d[u + 1] - d[u];
+    const int together = (d[u] != kNoDisparity) & (d[u + 1] != kNoDisparity) &
+                         (difference <= step) & (difference >= -step);
+    ends[u] = static_cast<std::uint8_t>(1 - together);
+  }
+  ends[n - 1] = 1;
+}
+
+/// 1 where a pixel belongs to the one of the row before.
+CF_CLONES void markJoins(const std::int16_t* d, const std::int16_t* before, int n, int step,
+                         std::uint8_t* joins) {
+  for (int u = 0; u < n; ++u) {
+    const int difference = d[u] - before[u];
+    joins[u] = static_cast<std::uint8_t>((d[u] != kNoDisparity) & (before[u] != kNoDisparity) &
+                                         (difference <= step) & (difference >= -step));
+  }
+}
+
 /// Patches of pixels that belong together: each run of a row knows another of its patch, the root
 /// itself.
 class Patches {
@@ -127,49 +153,41 @@ void fillGaps(cv::Mat& disparity, int max_gap_px, double max_step_px) {
 }
 
 void clearSpeckles(cv::Mat& disparity, int min_pixels, double max_step_px) {
-  const int step = static_cast<int>(16 * max_step_px);
+  const int step = static_cast<int>(16 * max_step_px), width = disparity.cols;
+  const auto n = static_cast<std::size_t>(width);
   Patches patches;
-  std::vector<int> run(static_cast<std::size_t>(disparity.cols)), above(run);  // of each pixel
+  std::vector<Run> runs;
+  std::vector<std::uint8_t> ends(n), joins(n, 0);
+  std::size_t above = 0, above_end = 0;  // the runs of the row before
   for (int v = 0; v < disparity.rows; ++v) {
     const auto* d = disparity.ptr<std::int16_t>(v);
-    const auto* before = v > 0 ? disparity.ptr<std::int16_t>(v - 1) : nullptr;
-    std::swap(run, above);
-    int united = -1;  // the run above that this pixel's run was joined with last
-    int current = -1, first = 0;
-    for (int u = 0; u < disparity.cols; ++u) {
-      const auto k = static_cast<std::size_t>(u);
-      if (d[u] == kNoDisparity) {
-        if (current >= 0) patches.count(current, u - first);
-        run[k] = current = -1;
-        continue;
+    markEnds(d, width, step, ends.data());
+    if (v > 0) markJoins(d, disparity.ptr<std::int16_t>(v - 1), width, step, joins.data());
+    for (int u = 0; u < width; ++u) {
+      if (d[u] == kNoDisparity) continue;
+      const auto* end = static_cast<const std::uint8_t*>(
+          std::memchr(&ends[static_cast<std::size_t>(u)], 1, n - static_cast<std::size_t>(u)));
+      const Run run{v, u, static_cast<int>(end - ends.data()) + 1};
+      const int number = patches.add();
+      patches.count(number, run.end - run.first);
+      runs.push_back(run);
+      while (above < above_end && runs[above].end <= run.first) ++above;
+      for (std::size_t k = above; k < above_end && runs[k].first < run.end; ++k) {
+        const int first = std::max(run.first, runs[k].first), last = std::min(run.end, runs[k].end);
+        if (std::memchr(&joins[static_cast<std::size_t>(first)], 1,
+                        static_cast<std::size_t>(last - first)))
+          patches.unite(number, static_cast<int>(k));
       }
-      if (current < 0 || std::abs(d[u] - d[u - 1]) > step) {
-        if (current >= 0) patches.count(current, u - first);
-        current = patches.add();
-        first = u;
-        united = -1;
-      }
-      run[k] = current;
-      if (!before || before[u] == kNoDisparity || above[k] == united) continue;
-      if (std::abs(d[u] - before[u]) > step) continue;
-      united = above[k];
-      patches.unite(current, united);
+      u = run.end - 1;
     }
-    if (current >= 0) patches.count(current, disparity.cols - first);
+    above = above_end;
+    above_end = runs.size();
   }
   patches.finish();
-  int current = -1;
-  for (int v = 0; v < disparity.rows; ++v) {
-    auto* d = disparity.ptr<std::int16_t>(v);
-    int last = kNoDisparity;
-    for (int u = 0; u < disparity.cols; ++u) {
-      const int here = d[u];
-      if (here != kNoDisparity) {
-        if (last == kNoDisparity || std::abs(here - last) > step) ++current;
-        if (patches.pixels(current) < min_pixels) d[u] = kNoDisparity;
-      }
-      last = here;
-    }
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    if (patches.pixels(static_cast<int>(k)) >= min_pixels) continue;
+    auto* d = disparity.ptr<std::int16_t>(runs[k].row);
+    std::fill(d + runs[k].first, d + runs[k].end, kNoDisparity);
   }
 }
 

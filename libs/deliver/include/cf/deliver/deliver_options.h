@@ -13,6 +13,7 @@ struct DeliverOptions {
   bool dsm = true;
   bool orthophoto = true;
   double orthophoto_gsd_m = 0;  ///< 0 = automatic
+  bool handover = true;
   bool depth_maps = false;
 
   void visit(OptionVisitor& v);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -41,7 +42,8 @@ struct UavRecord {
   std::vector<ScaleRow> scale_history;  ///< in time order
   GnssQuality gnss;
   int segments = 0;
-  std::string pose_graph;  ///< MRPT's text form
+  std::string pose_graph;              ///< MRPT's text form
+  std::filesystem::path photo_folder;  ///< where its photos lie, if they are at hand
 };
 
 /// The frame of everything delivered: ENU at a WGS84 origin, or, relative, a local frame of
@@ -67,6 +69,9 @@ struct RunRecord {
   std::vector<UavRecord> uavs;  ///< in the order of the configuration: FrameId::uav
   std::vector<RelativePose> relative_poses;
   std::vector<SparsePoint> sparse_points;
+  /// Where the photos saw them, of all their observations in order: distorted, pixels of the photo
+  /// as recorded. Empty: not kept.
+  std::vector<Eigen::Vector2f> sparse_pixels;
   std::map<std::string, StageSeconds> stages;
   std::vector<double> latencies_s;          ///< from a photo's arrival to its last product, each
   std::optional<RealTimeRecord> real_time;  ///< none: as fast as possible
