@@ -16,6 +16,7 @@ namespace cf {
 namespace {
 
 constexpr int kBits = cv::INTER_BITS, kOne = cv::INTER_TAB_SIZE;
+constexpr int kBlock = 64;  ///< px
 constexpr int kHalf = kOne * kOne / 2, kShift = 2 * kBits;
 
 /// One pixel anywhere, its four neighbours held within the image.
@@ -70,7 +71,8 @@ std::uint32_t colourAt(const uchar* p, std::size_t step, std::size_t tx, std::si
 
 #endif
 
-void colourRow(const cv::Mat& image, const RemapTable& table, int v, uchar* out) {
+void colourRow(const cv::Mat& image, const RemapTable& table, int v, int first, int end,
+               uchar* out) {
   const auto* xy = table.fixed_xy.ptr<short>(v);
   const auto* fraction = table.fraction.ptr<ushort>(v);
   const int width = table.fixed_xy.cols;
@@ -83,7 +85,8 @@ void colourRow(const cv::Mat& image, const RemapTable& table, int v, uchar* out)
 #else
   const int last_x = -1, last_y = -1;
 #endif
-  for (int u = 0; u < width; ++u, out += 3) {
+  out += 3 * first;
+  for (int u = first; u < end; ++u, out += 3) {
     const int x = xy[2 * u], y = xy[2 * u + 1];
     const int tx = fraction[u] & (kOne - 1), ty = fraction[u] >> kBits;
     if (x < 0 || y < 0 || x > last_x || y > last_y || u + 1 == width) {
@@ -99,13 +102,13 @@ void colourRow(const cv::Mat& image, const RemapTable& table, int v, uchar* out)
   }
 }
 
-void greyRow(const cv::Mat& image, const RemapTable& table, int v, uchar* out) {
+void greyRow(const cv::Mat& image, const RemapTable& table, int v, int first, int end, uchar* out) {
   const auto* xy = table.fixed_xy.ptr<short>(v);
   const auto* fraction = table.fraction.ptr<ushort>(v);
-  const int width = table.fixed_xy.cols, last_x = image.cols - 2, last_y = image.rows - 2;
+  const int last_x = image.cols - 2, last_y = image.rows - 2;
   const uchar* const data = image.data;
   const std::size_t step = image.step;
-  for (int u = 0; u < width; ++u) {
+  for (int u = first; u < end; ++u) {
     const int x = xy[2 * u], y = xy[2 * u + 1];
     const int tx = fraction[u] & (kOne - 1), ty = fraction[u] >> kBits;
     if (x < 0 || y < 0 || x > last_x || y > last_y) {
@@ -124,7 +127,10 @@ void resample(const cv::Mat& image, const RemapTable& table, cv::Mat out) {
   CV_Assert(image.type() == out.type() && out.size() == table.fixed_xy.size());
   CV_Assert(image.type() == CV_8UC1 || image.type() == CV_8UC3);
   const auto row = image.channels() == 3 ? colourRow : greyRow;
-  for (int v = 0; v < out.rows; ++v) row(image, table, v, out.ptr(v));
+  // By blocks: where the view is turned against the photo, a row runs down through all of it.
+  for (int first = 0; first < out.cols; first += kBlock)
+    for (int v = 0; v < out.rows; ++v)
+      row(image, table, v, first, std::min(first + kBlock, out.cols), out.ptr(v));
 }
 
 }  // namespace cf
