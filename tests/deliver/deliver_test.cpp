@@ -173,7 +173,8 @@ TEST_F(Deliver, EveryFileOfTheContractIsThere) {
         "trajectories/east.online.tum", "trajectories/east.ecef.csv",
         "trajectories/east.covariance.csv", "trajectories/all.geojson", "trajectories/all.kml",
         "cameras/east.ini", "scale/east.csv", "graphs/east.graph", "relative_poses.csv",
-        "cloud/sparse.ply", "odometry/east.tum"})
+        "cloud/sparse.ply", "odometry/east.tum", "colmap/cameras.txt", "colmap/images.txt",
+        "colmap/points3D.txt", "colmap/origin.txt", "shots.geojson", "map.kml"})
     EXPECT_TRUE(fs::is_regular_file(dir_ / file)) << file;
   for (const auto& entry : fs::recursive_directory_iterator(dir_))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();

@@ -64,7 +64,13 @@ TEST_F(OutputContract, EveryFileIsThere) {
                                     "octomap.ot",
                                     "octomap.bt",
                                     "relative_poses.csv",
-                                    "map.3Dscene"};
+                                    "map.3Dscene",
+                                    "map.kml",
+                                    "shots.geojson",
+                                    "colmap/cameras.txt",
+                                    "colmap/images.txt",
+                                    "colmap/points3D.txt",
+                                    "colmap/origin.txt"};
   for (const auto& [name, photos] : support::syntheticFlight().uavs)
     for (const std::string& file :
          {"images/" + name + ".csv", "trajectories/" + name + ".tum",

@@ -24,6 +24,7 @@ const PoseTable* CentralNode::receive(ChainStep step) {
   gnss_[step.uav] = step.gnss;
   for (const GeoKeyframe& keyframe : step.keyframes) {
     aligner_.push(keyframe);
+    features_[keyframe.keyframe->id] = keyframe.keyframe->features;
     ++keyframes_since_update_;
   }
   const PoseTable* published = nullptr;
@@ -44,6 +45,14 @@ Alignment CentralNode::finish() {
   const StageTimes::Scope scope(times_, "align", CpuClock::kProcess);
   return aligner_.solve(segments(), gnss_, cameras_,
                         [this](FrameId photo) { return store_.get(photo); });
+}
+
+std::vector<Eigen::Vector2f> CentralNode::pixelsOf(const std::vector<SparsePoint>& points) const {
+  std::vector<Eigen::Vector2f> pixels;
+  for (const SparsePoint& point : points)
+    for (const SparseObservation& o : point.observations)
+      pixels.push_back(features_.at(o.frame)->pixel[static_cast<std::size_t>(o.feature)]);
+  return pixels;
 }
 
 std::vector<GeoSegment> CentralNode::segments() const {

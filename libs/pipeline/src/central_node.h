@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <vector>
 
 #include "cf/align/aligner.h"
@@ -28,6 +30,8 @@ class CentralNode {
   const PoseTable* receive(ChainStep step);
   /// The final map, when all steps have come.
   Alignment finish();
+  /// Where the photos saw the points, of all their observations in order.
+  std::vector<Eigen::Vector2f> pixelsOf(const std::vector<SparsePoint>& points) const;
 
   /// Each photo's pose as the cluster knew it when the photo had been processed, by UAV: carried on
   /// from the common map, or, where its segment is not in it yet, as the UAV knew it alone.
@@ -46,6 +50,7 @@ class CentralNode {
   std::vector<std::shared_ptr<const std::vector<GeoSegment>>> segments_;  ///< by UAV
   std::vector<GnssQuality> gnss_;                                         ///< by UAV
   std::vector<std::vector<PhotoPose>> online_;
+  std::map<FrameId, std::shared_ptr<const FeatureSet>> features_;
   int keyframes_since_update_ = 0;
 };
 

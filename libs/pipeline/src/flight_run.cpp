@@ -13,6 +13,7 @@
 #include "cf/base/log.h"
 #include "cf/config/config.h"
 #include "cf/deliver/deliver.h"
+#include "cf/rawlog/rawlog_writer.h"
 #include "cf/view/render.h"
 #include "chain_steps.h"
 #include "dense_mapping.h"
@@ -39,6 +40,8 @@ class FlightRun {
   FlightRun(const Config& config, const RunOptions& options, const FlightRunRequest& request)
       : options_(options), request_(request) {
     record_.version = request.version;
+    for (const UavOptions& uav : options.uavs)
+      photo_folders_.push_back(imagesFolderOf(config.resolve(uav.rawlog)));
     if (request.seam.empty())
       playRecordings(config);
     else
@@ -129,6 +132,7 @@ class FlightRun {
     std::vector<SeamDone> done = source_->done();
     source_.reset();  // chains and all that they remember
     Alignment alignment = centre.finish();
+    if (options_.deliver.handover) record_.sparse_pixels = centre.pixelsOf(alignment.points);
     for (std::size_t u = 0; u < done.size(); ++u) {
       UavRecord& uav = record_.uavs.emplace_back();
       uav.name = options_.uavs[u].name;
@@ -140,6 +144,7 @@ class FlightRun {
       uav.pose_graph = std::move(done[u].pose_graph);
       uav.online_trajectory = centre.onlineTrajectories()[u];
       uav.camera_before = centre.cameras()[u];
+      uav.photo_folder = photo_folders_[u];
       if (options_.playback.follow_s > 0 && uav.photos.empty())
         warn(record_, uav.name + ": it has no photo");
     }
@@ -196,6 +201,7 @@ class FlightRun {
   StageTimes times_;
   double started_s_ = 0;
   World world_;
+  std::vector<fs::path> photo_folders_;  ///< by UAV
   std::unique_ptr<StepSource> source_;
   std::vector<std::vector<ImageFrame>> photos_;  ///< by UAV
   PhotoTimes photo_times_;

@@ -30,10 +30,12 @@ void removeEarlierResult(const fs::path& outdir) {
       {"trajectories", ".kml"}, {"cameras", ".ini"},      {"trajectories", ".geojson"},
       {"scale", ".csv"},        {"odometry", ".tum"},     {"graphs", ".graph"},
       {"cloud", ".ply"},        {"cloud", ".json"},       {"cloud/tiles", ".pcd"},
-      {"cloud", ".las"},        {"snapshots", ".png"},    {"live", ".png"}};
+      {"cloud", ".las"},        {"snapshots", ".png"},    {"live", ".png"},
+      {"colmap", ".txt"}};
   std::vector<fs::path> files;
-  for (const char* name : {"report.json", "report.html", "world.json", "relative_poses.csv",
-                           "octomap.ot", "octomap.bt", "map.3Dscene", "dsm.tif", "orthophoto.tif"})
+  for (const char* name :
+       {"report.json", "report.html", "world.json", "relative_poses.csv", "octomap.ot",
+        "octomap.bt", "map.3Dscene", "dsm.tif", "orthophoto.tif", "shots.geojson", "map.kml"})
     files.push_back(outdir / name);
   std::error_code error;
   const auto collect = [&](const fs::path& folder, const char* extension) {
@@ -43,6 +45,8 @@ void removeEarlierResult(const fs::path& outdir) {
   for (const auto& [folder, extension] : kFiles) collect(outdir / folder, extension);
   for (const auto& uav : fs::directory_iterator(outdir / "depth", error))
     collect(uav.path(), ".tif");
+  for (const auto& link : fs::directory_iterator(outdir / "colmap" / "images", error))
+    if (link.is_symlink()) files.push_back(link.path());
   for (const fs::path& file : files) {
     fs::remove(file, error);
     if (error) throw RunError(file.string() + " cannot be replaced: " + error.message());
