@@ -12,6 +12,7 @@
 #include <set>
 #include <thread>
 
+#include "support/process.h"
 #include "support/synthetic_flight.h"
 #include "support/temp_folder.h"
 
@@ -174,6 +175,27 @@ TEST_F(FollowedFlight, APhotoThatDoesNotComeIsSkippedAndSaid) {
   EXPECT_NE(r.output.find("northB: photo P12.JPG is skipped: file is missing"), std::string::npos)
       << r.output;
   EXPECT_EQ(report("out")["uavs"]["northB"]["damaged"], 1);
+}
+
+TEST_F(FollowedFlight, InterruptedItGoesOnWithoutWaiting) {
+  ASSERT_EQ(run(config_, "whole", "").status, 0);
+  for (const std::string& uav : kUavs) bring(imagesOf(uav));
+  for (const char* uav : {"northA", "northB"}) bring(rawlogOf(uav));
+  {
+    support::Process following(
+        {CF_BIN_DIR "/cf-run", (live_ / "config.ini").string(), "-o", (folder_ / "out").string(),
+         "-s", "view.snapshots=false", "-s", "densify.megapixels=0.1", "-s",
+         "playback.follow_s=600", "-s", "playback.hold_up_s=0"},
+        folder_ / "log");
+    while (!fs::exists(folder_ / "out/.cf-run/photos/1_2.jpg") && following.running())
+      pauseFor(0.005);
+    following.signal(SIGINT);
+    EXPECT_EQ(following.wait(), 130) << support::fileText(folder_ / "log");
+  }
+  bring(rawlogOf("northC"));
+  const CommandResult r = run(live_ / "config.ini", "out", "--resume");
+  ASSERT_EQ(r.status, 0) << r.output;
+  expectSameResults(folder_ / "out", folder_ / "whole");
 }
 
 TEST_F(FollowedFlight, WhatCannotBeFollowedIsSaid) {

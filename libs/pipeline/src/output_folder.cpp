@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -58,11 +59,19 @@ void removeEarlierResult(const fs::path& outdir) {
 /// Tells what run has begun there.
 fs::path begunFile(const fs::path& outdir) { return workFolder(outdir) / "run.txt"; }
 
-/// What a run depends on: its settings, and which recordings they are about.
+/// The section [playback] says when photos come, not what becomes of them.
+std::string withoutPlayback(std::string settings) {
+  const std::size_t begin = settings.find("[playback]\n");
+  if (begin == std::string::npos) return settings;
+  const std::size_t end = std::min(settings.find("\n[", begin), settings.size());
+  return settings.erase(begin, end - begin);
+}
+
+/// What a run depends on: its settings, and which recordings they are about, if these do not grow.
 std::string fingerprint(const FlightRunRequest& request, const Config& config,
                         const RunOptions& options) {
-  std::string text = "version = " + request.version + "\n" + config.effectiveText();
-  if (options.playback.follow_s > 0) return text;  // they grow
+  std::string text = "version = " + request.version + "\n" + withoutPlayback(config.effectiveText());
+  if (options.playback.follow_s > 0) return text;
   for (const UavOptions& uav : options.uavs) {
     std::error_code error;
     const auto size = fs::file_size(config.resolve(uav.rawlog), error);
@@ -74,6 +83,12 @@ std::string fingerprint(const FlightRunRequest& request, const Config& config,
 std::string textOf(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// Of a flight that was followed it is not known how large the recordings were.
+bool sameRun(const std::string& before, const std::string& now) {
+  const std::size_t common = std::min(before.size(), now.size());
+  return before.compare(0, common, now, 0, common) == 0;
 }
 
 /// The first line that differs.
@@ -114,7 +129,7 @@ void checkOutput(const FlightRunRequest& request, const Config& config, const Ru
   const fs::path begun = begunFile(outdir);
   const bool interrupted = fs::exists(begun);
   const std::string now = fingerprint(request, config, options);
-  if (interrupted && request.resume && textOf(begun) != now)
+  if (interrupted && request.resume && !sameRun(textOf(begun), now))
     throw UsageError(fmt::format(
         "{} was begun with other settings ({}): resume it with the same ones, or give -w to begin "
         "anew",

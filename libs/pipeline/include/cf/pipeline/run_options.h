@@ -48,7 +48,7 @@ struct PlaybackOptions {
   double rate = 0;        ///< times real time; 0 = as fast as possible
   double max_gap_s = 60;  ///< longest pause between photos at a rate
   double follow_s = 0;    ///< rawlogs grow until none has for so long; 0 = they are complete
-  double hold_up_s = 5;   ///< that a silent UAV holds up others that are followed
+  double hold_up_s = 10;  ///< that a silent UAV holds up others that are followed
   double max_lag_s = 20;  ///< behind real time, from which on the live map leaves photos out
   double wait_s = 60;     ///< for an agent's next message
   bool inRealTime() const { return rate > 0 || follow_s > 0; }
