@@ -70,7 +70,8 @@ std::string withoutPlayback(std::string settings) {
 /// What a run depends on: its settings, and which recordings they are about, if these do not grow.
 std::string fingerprint(const FlightRunRequest& request, const Config& config,
                         const RunOptions& options) {
-  std::string text = "version = " + request.version + "\n" + withoutPlayback(config.effectiveText());
+  std::string text =
+      "version = " + request.version + "\n" + withoutPlayback(config.effectiveText());
   if (options.playback.follow_s > 0) return text;
   for (const UavOptions& uav : options.uavs) {
     std::error_code error;
