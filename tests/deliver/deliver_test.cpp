@@ -14,6 +14,7 @@
 
 #include "cf/base/error.h"
 #include "cf/base/log.h"
+#include "cf/deliver/hand_over.h"
 #include "cf/formats/csv.h"
 #include "cf/formats/ply.h"
 #include "cf/formats/pose_covariance_csv.h"
@@ -168,13 +169,28 @@ class Deliver : public ::testing::Test {
 
 TEST_F(Deliver, EveryFileOfTheContractIsThere) {
   deliver(makeRun(), dir_);
-  for (const char* file :
-       {"report.json", "report.html", "world.json", "images/east.csv", "trajectories/east.tum",
-        "trajectories/east.online.tum", "trajectories/east.ecef.csv",
-        "trajectories/east.covariance.csv", "trajectories/all.geojson", "trajectories/all.kml",
-        "cameras/east.ini", "scale/east.csv", "graphs/east.graph", "relative_poses.csv",
-        "cloud/sparse.ply", "odometry/east.tum", "colmap/cameras.txt", "colmap/images.txt",
-        "colmap/points3D.txt", "colmap/origin.txt", "shots.geojson", "map.kml"})
+  for (const char* file : {"report.json",
+                           "report.html",
+                           "world.json",
+                           "images/east.csv",
+                           "trajectories/east.tum",
+                           "trajectories/east.online.tum",
+                           "trajectories/east.ecef.csv",
+                           "trajectories/east.covariance.csv",
+                           "trajectories/all.geojson",
+                           "trajectories/all.kml",
+                           "cameras/east.ini",
+                           "scale/east.csv",
+                           "graphs/east.graph",
+                           "relative_poses.csv",
+                           "cloud/sparse.ply",
+                           "odometry/east.tum",
+                           "colmap/cameras.txt",
+                           "colmap/images.txt",
+                           "colmap/points3D.txt",
+                           "colmap/origin.txt",
+                           "shots.geojson",
+                           "map.kml"})
     EXPECT_TRUE(fs::is_regular_file(dir_ / file)) << file;
   for (const auto& entry : fs::recursive_directory_iterator(dir_))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
@@ -325,6 +341,39 @@ TEST_F(Deliver, KmlIsWellFormedWithAnyUavName) {
   EXPECT_LT(kml.find("-91.9945"), kml.find(",46.84"));
 }
 
+TEST_F(Deliver, TheMapKmlIsWellFormedWithAnyPhotoName) {
+  RunRecord run = makeRun();
+  run.uavs[0].photos[0].name = "B\xC3\xA4ume <1>\x01.JPG";
+  run.uavs[0].photos[1].name = "B\xE4ume.JPG";  // Latin-1
+  writeMapKml(run, dir_);
+  const std::string kml = textOf(dir_ / "map.kml");
+  EXPECT_TRUE(wellFormed(kml));
+  EXPECT_NE(kml.find("B\xC3\xA4ume &lt;1&gt;?.JPG"), std::string::npos);
+  EXPECT_NE(kml.find("B?ume.JPG"), std::string::npos);
+  EXPECT_EQ(kml.find("outline of"), std::string::npos) << "one point has none";
+}
+
+TEST_F(Deliver, AThirdRadialTermNeedsColmapsFullModel) {
+  RunRecord run = makeRun();
+  run.uavs[1].camera_after.k3 = 0.0125;
+  writeColmapModel(run, dir_);
+  const std::string cameras = textOf(dir_ / "colmap/cameras.txt");
+  EXPECT_NE(cameras.find("\n1 OPENCV 4000 3000 2345.678901 2345.678901 2000 1500 -0.0123456789 0 0 "
+                         "0\n"),
+            std::string::npos)
+      << cameras;
+  EXPECT_NE(cameras.find("\n2 FULL_OPENCV 4000 3000 "), std::string::npos) << cameras;
+  EXPECT_NE(cameras.find(" 0.0125 0 0 0\n"), std::string::npos) << cameras;
+}
+
+TEST_F(Deliver, NothingIsHandedOverWhereItIsNotWanted) {
+  DeliverOptions options;
+  options.handover = false;
+  deliver(makeRun(), dir_, options);
+  for (const char* file : {"colmap", "shots.geojson", "map.kml"})
+    EXPECT_FALSE(fs::exists(dir_ / file)) << file;
+}
+
 TEST_F(Deliver, RelativePosesKeepTheirNumbers) {
   const RunRecord run = makeRun();
   writeRelativePoses(run, dir_);
@@ -424,8 +473,10 @@ TEST_F(Deliver, ARelativeMapSaysSoAndHasNoGeographicFiles) {
   RunRecord run = makeRun();
   run.world.relative = true;
   deliver(run, dir_);
-  for (const char* file : {"all.geojson", "all.kml", "east.ecef.csv"})
-    EXPECT_FALSE(fs::exists(dir_ / "trajectories" / file)) << file;
+  for (const char* file : {"trajectories/all.geojson", "trajectories/all.kml",
+                           "trajectories/east.ecef.csv", "shots.geojson", "map.kml"})
+    EXPECT_FALSE(fs::exists(dir_ / file)) << file;
+  EXPECT_NE(textOf(dir_ / "colmap/origin.txt").find("relative"), std::string::npos);
   EXPECT_TRUE(fs::exists(dir_ / "trajectories/east.tum"));
   const auto world = nlohmann::json::parse(textOf(dir_ / "world.json"));
   EXPECT_TRUE(world["origin"].is_null());
