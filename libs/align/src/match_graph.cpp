@@ -49,6 +49,11 @@ bool MatchGraph::match(const std::vector<Pair>& pairs) {
   return connected;
 }
 
+void MatchGraph::learn(const MatchGraph& copy) {
+  tried_.insert(copy.tried_.begin(), copy.tried_.end());
+  pairs_.insert(copy.pairs_.begin(), copy.pairs_.end());
+}
+
 std::vector<Track> buildTracks(const MatchGraph& graph) {
   std::set<FrameId> photos;
   for (const auto& [id, keyframe] : graph.photos()) photos.insert(id);

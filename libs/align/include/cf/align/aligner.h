@@ -58,9 +58,11 @@ class Aligner {
   void push(const GeoKeyframe& keyframe);
   /// The next version of the map during the flight. Photos new to it are carried on from their
   /// segment, matched, and adjusted with those around them, at a cost that does not grow with the
-  /// map (map_extension.h); each time the map has grown by `growth`, all of it is solved anew, in a
-  /// draft: together these cost as much as a few solves of the last. Photos that nothing in the map
-  /// carries on wait for the next draft. `segments` of all UAVs; `quality` and `cameras` by UAV.
+  /// map (map_extension.h). Each time the map has grown by `growth`, all of it is solved anew, in a
+  /// draft: together these cost as much as a few solves of the last. A draft is solved beside the
+  /// photos that go on coming and takes effect at the next update, so that what comes out does not
+  /// depend on time. Photos that nothing in the map carries on wait for the next draft. `segments`
+  /// of all UAVs; `quality` and `cameras` by UAV.
   const PoseTable& update(const std::vector<GeoSegment>& segments,
                           const std::vector<GnssQuality>& quality,
                           const std::vector<CameraModel>& cameras);

@@ -31,6 +31,8 @@ class MatchGraph {
   void add(std::shared_ptr<const Keyframe> keyframe);
   /// Matches those of `pairs` that have not been tried yet. Whether any became connected.
   bool match(const std::vector<Pair>& pairs);
+  /// Takes over what a copy has matched since.
+  void learn(const MatchGraph& copy);
 
   const std::map<FrameId, std::shared_ptr<const Keyframe>>& photos() const { return photos_; }
   const Keyframe& photo(FrameId id) const { return *photos_.at(id); }
