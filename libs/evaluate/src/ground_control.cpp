@@ -6,9 +6,12 @@
 #include <map>
 
 #include "cf/base/error.h"
+#include "cf/evaluate/marked_points.h"
+#include "cf/formats/camera_ini.h"
+#include "estimated_poses.h"
 #include "figures.h"
-#include "marked_points.h"
 #include "statistics.h"
+#include "world_origin.h"
 
 namespace cf {
 namespace {
@@ -85,13 +88,39 @@ Json pointFigures(const MarkedPoint& point, const MarkedPlace& place, const Sim3
           {"sights", std::move(sights)}};
 }
 
+/// The photos of a run, from its files.
+MapPhotos photosOf(const std::filesystem::path& out_dir) {
+  MapPhotos photos;
+  std::map<std::string, CameraModel> cameras;
+  for (const auto& [name, pose] : readEstimatedPoses(out_dir)) {
+    auto camera = cameras.find(pose.uav);
+    if (camera == cameras.end()) try {
+        const auto ini = out_dir / "cameras" / (pose.uav + ".ini");
+        camera = cameras.emplace(pose.uav, readCameraIni(ini)).first;
+      } catch (const UsageError& e) {
+        throw RunError(e.what());
+      }
+    photos.emplace(name, MapPhoto{pose.uav, pose.T_world_cam, camera->second});
+  }
+  return photos;
+}
+
+LocalFrame frameOf(const std::filesystem::path& out_dir) {
+  const std::optional<LocalFrame> world = worldFrameOf(out_dir);
+  if (!world)
+    throw RunError((out_dir / "world.json").string() +
+                   ": gives no origin: the map's place on the earth is not known");
+  return *world;
+}
+
 }  // namespace
 
 std::string evaluateGroundControl(const std::filesystem::path& out_dir,
                                   const std::filesystem::path& gcp_list,
                                   const GroundControlOptions& options) {
   const GcpList list = readGcpList(gcp_list);
-  const std::vector<MarkedPoint> points = joinMarks(out_dir, list, options.size);
+  const std::vector<MarkedPoint> points =
+      joinMarks(list, frameOf(out_dir), photosOf(out_dir), options.size);
   std::vector<const MarkedPoint*> placed;
   std::vector<MarkedPlace> places;
   Json missing = Json::object(), without_pose = Json::array();

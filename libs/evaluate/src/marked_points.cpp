@@ -1,32 +1,22 @@
 // SPDX-FileCopyrightText: 2026 ClusterFusion authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "marked_points.h"
+#include "cf/evaluate/marked_points.h"
 
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <map>
+#include <filesystem>
 #include <set>
 
 #include "cf/base/error.h"
-#include "cf/formats/camera_ini.h"
 #include "cf/geodesy/crs.h"
 #include "cf/geometry/triangulation.h"
-#include "estimated_poses.h"
-#include "world_origin.h"
 
 namespace cf {
 namespace {
 
 namespace fs = std::filesystem;
-
-Eigen::Vector3d surveyedPosition(const LocalFrame& world, const Crs& crs,
-                                 const GroundControlPoint& point) {
-  const Result<Geodetic> p = geodeticFrom(crs, point.surveyed);
-  if (!p) throw UsageError(fmt::format("ground point {}: {}", point.name, p.failure().detail));
-  return world.toEnu(*p);
-}
 
 CameraModel scaledTo(const PhotoSize& size, const CameraModel& camera, const std::string& uav) {
   const double x = static_cast<double>(size.width) / camera.width;
@@ -38,44 +28,18 @@ CameraModel scaledTo(const PhotoSize& size, const CameraModel& camera, const std
   return camera.scaled(size.width, size.height);
 }
 
-/// The refined cameras of a run, as they would be in photos of the list's size.
-class Cameras {
- public:
-  Cameras(fs::path folder, std::optional<PhotoSize> size)
-      : folder_(std::move(folder)), size_(size) {}
-
-  const CameraModel& of(const std::string& uav) {
-    const auto known = cameras_.find(uav);
-    if (known != cameras_.end()) return known->second;
-    CameraModel camera;
-    try {
-      camera = readCameraIni(folder_ / (uav + ".ini"));
-    } catch (const UsageError& e) {
-      throw RunError(e.what());
-    }
-    if (size_) camera = scaledTo(*size_, camera, uav);
-    return cameras_.emplace(uav, camera).first->second;
-  }
-
- private:
-  fs::path folder_;
-  std::optional<PhotoSize> size_;
-  std::map<std::string, CameraModel> cameras_;
-};
-
-/// The pose of the marked photo, if it has one.
-const EstimatedPose* poseOf(const EstimatedPoses& poses, const std::string& image) {
+/// The marked photo, if it has a pose.
+const MapPhoto* photoOf(const MapPhotos& photos, const std::string& image, const GcpList& list) {
   const fs::path path = image;
   const std::string uav = path.parent_path().filename().string();
-  const auto [first, last] = poses.equal_range(path.filename().string());
-  const EstimatedPose* found = nullptr;
+  const auto [first, last] = photos.equal_range(path.filename().string());
+  const MapPhoto* found = nullptr;
   for (auto it = first; it != last; ++it) {
     if (!uav.empty() && it->second.uav != uav) continue;
     if (found != nullptr)
       throw UsageError(
-          fmt::format("the list's photo {0} is one of {1} and of {2}: call it {1}/{0} "
-                      "or {2}/{0}",
-                      path.filename().string(), found->uav, it->second.uav));
+          fmt::format("{0}: the photo {1} is one of {2} and of {3}: call it {2}/{1} or {3}/{1}",
+                      list.file.string(), path.filename().string(), found->uav, it->second.uav));
     found = &it->second;
   }
   return found;
@@ -93,34 +57,43 @@ int MarkedPoint::uavs() const {
   return static_cast<int>(names.size());
 }
 
-std::vector<MarkedPoint> joinMarks(const fs::path& out_dir, const GcpList& list,
-                                   std::optional<PhotoSize> size) {
+std::vector<Geodetic> surveyedPlaces(const GcpList& list) {
   const Result<Crs> crs = crsFromText(list.crs);
-  if (!crs) throw UsageError("ground points: " + crs.failure().detail);
-  const EstimatedPoses poses = readEstimatedPoses(out_dir);
-  const std::optional<LocalFrame> world = worldFrameOf(out_dir);
-  if (!world)
-    throw RunError((out_dir / "world.json").string() +
-                   ": gives no origin: the map's place on the earth is not known");
-  Cameras cameras(out_dir / "cameras", size);
+  if (!crs) throw UsageError(fmt::format("{}: {}", list.file.string(), crs.failure().detail));
+  std::vector<Geodetic> places;
+  for (const GroundControlPoint& point : list.points) {
+    const Result<Geodetic> place = geodeticFrom(*crs, point.surveyed);
+    if (!place)
+      throw UsageError(fmt::format("{}: ground point {}: {}", list.file.string(), point.name,
+                                   place.failure().detail));
+    places.push_back(*place);
+  }
+  return places;
+}
+
+std::vector<MarkedPoint> joinMarks(const GcpList& list, const LocalFrame& world,
+                                   const MapPhotos& photos, std::optional<PhotoSize> size) {
+  const std::vector<Geodetic> places = surveyedPlaces(list);
   std::vector<MarkedPoint> points;
-  for (const GroundControlPoint& listed : list.points) {
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const GroundControlPoint& listed = list.points[i];
     MarkedPoint point;
     point.name = listed.name;
-    point.surveyed = surveyedPosition(*world, *crs, listed);
+    point.surveyed = world.toEnu(places[i]);
     for (const GcpMark& mark : listed.marks) {
-      const EstimatedPose* pose = poseOf(poses, mark.image);
-      if (pose == nullptr) {
+      const MapPhoto* photo = photoOf(photos, mark.image, list);
+      if (photo == nullptr) {
         point.without_pose.push_back(mark.image);
         continue;
       }
-      const CameraModel& camera = cameras.of(pose->uav);
+      const CameraModel camera = size ? scaledTo(*size, photo->camera, photo->uav) : photo->camera;
       if (!camera.contains(mark.pixel))
         throw RunError(fmt::format(
-            "ground point {} is marked at {}, {} in {}, a photo of {}x{}: tell the size of the "
-            "photos that the list was made with (--size)",
-            listed.name, mark.pixel.x(), mark.pixel.y(), mark.image, camera.width, camera.height));
-      point.sights.push_back({pose->uav, mark.image, mark.pixel, pose->T_world_cam, camera});
+            "{}: ground point {} is marked at {}, {} in {}, a photo of {}x{}: tell the size of the "
+            "photos that the list was made with (cf-eval --size, cf-run [gcp] size)",
+            list.file.string(), listed.name, mark.pixel.x(), mark.pixel.y(), mark.image,
+            camera.width, camera.height));
+      point.sights.push_back({photo->uav, mark.image, mark.pixel, photo->T_world_cam, camera});
     }
     points.push_back(std::move(point));
   }

@@ -55,6 +55,7 @@ void add(const Entry& entry, std::vector<GroundControlPoint>& points, std::vecto
 
 GcpList readGcpList(const std::filesystem::path& file) {
   GcpList list;
+  list.file = file;
   std::vector<bool> has_name;
   for (const TextLine& line : readTextLines(file)) {
     if (list.crs.empty()) {
