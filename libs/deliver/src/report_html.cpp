@@ -10,6 +10,7 @@
 #include "cf/deliver/deliver.h"
 #include "cf/formats/atomic_file.h"
 #include "escape.h"
+#include "ground_control_report.h"
 #include "out_path.h"
 #include "scale_plot.h"
 #include "summary.h"
@@ -165,7 +166,8 @@ void writeReportHtml(const RunRecord& run, const fs::path& outdir) {
   for (const auto& warning : allWarnings(run))
     html += "<div class=\"warn\">" + markupEscaped(warning) + "</div>\n";
   html += pictures(outdir / "snapshots") + uavTable(run) + scalePlot(run) + relativePosesText(run) +
-          stageTable(run) + lostPhotos(run) + "</body></html>\n";
+          (run.ground_control ? groundControlHtml(*run.ground_control) : "") + stageTable(run) +
+          lostPhotos(run) + "</body></html>\n";
   writeFileAtomically(outPath(outdir, "", "report.html"), html);
 }
 

@@ -6,6 +6,7 @@
 
 #include "cf/deliver/deliver.h"
 #include "cf/formats/atomic_file.h"
+#include "ground_control_report.h"
 #include "out_path.h"
 #include "summary.h"
 
@@ -89,6 +90,7 @@ void writeReportJson(const RunRecord& run, const std::filesystem::path& outdir) 
   report["uavs"] = Json::object();
   for (const auto& uav : run.uavs) report["uavs"][uav.name] = uavJson(uav);
   report["relative_poses"] = run.relative_poses.size();
+  if (run.ground_control) report["ground_control"] = groundControlJson(*run.ground_control);
   report["warnings"] = allWarnings(run);
   writeFileAtomically(outPath(outdir, "", "report.json"), text(report));
 }

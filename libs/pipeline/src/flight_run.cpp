@@ -19,6 +19,7 @@
 #include "dense_mapping.h"
 #include "dense_matching.h"
 #include "free_memory.h"
+#include "ground_survey.h"
 #include "judgement.h"
 #include "output_folder.h"
 #include "photo_store.h"
@@ -46,14 +47,15 @@ class FlightRun {
       playRecordings(config);
     else
       followAgents();
-    record_.world = world_.record;
+    if (!options.gcp.file.empty()) survey_.emplace(config.resolve(options.gcp.file), options.gcp);
     for (const SeamHello& hello : source_->hellos()) {
       for (const std::string& warning : hello.warnings) warn(record_, hello.name + ": " + warning);
       if (hello.photos.empty() && options_.playback.follow_s == 0)
         warn(record_, hello.name + ": it has no photo");
     }
     if (photos() == 0) throw RunError("no UAV of the configuration has a photo");
-    if (!world_.frame)
+    if (survey_ && options.playback.follow_s == 0) survey_->checkPhotos(source_->hellos());
+    if (!world_.frame && !(survey_ && survey_->controls()))
       warn(record_,
            "no photo has a GNSS position: the map is relative, its place, heading and scale "
            "arbitrary");
@@ -66,7 +68,9 @@ class FlightRun {
     const WorkFolders folders{request_.outdir, workFolder(request_.outdir)};
     PhotoStore store(folders.work / "photos", kPhotosInMemory);
     DenseMatching matching(folders.work / "depth", options_.densify, store, times_);
-    const Alignment alignment = localise(store, folders);
+    Alignment alignment = localise(store, folders);
+    if (survey_) survey_->apply(world_, alignment, record_);
+    record_.world = world_.record;
     mapDensely(photos_, alignment, world_.grid, options_, folders, matching, store, times_,
                [&](const DenseSummary& dense) {
                  judge(alignment, record_);
@@ -201,6 +205,7 @@ class FlightRun {
   StageTimes times_;
   double started_s_ = 0;
   World world_;
+  std::optional<GroundSurvey> survey_;
   std::vector<fs::path> photo_folders_;  ///< by UAV
   std::unique_ptr<StepSource> source_;
   std::vector<std::vector<ImageFrame>> photos_;  ///< by UAV

@@ -86,6 +86,7 @@ RunOptions loadRunOptions(Config& config) {
   config.load("odometry", options.odometry);
   config.load("georeference", options.georeference);
   config.load("align", options.align);
+  config.load("gcp", options.gcp);
   config.load("densify", options.densify);
   config.load("fuse", options.fuse);
   config.load("octomap", options.octomap);

@@ -12,6 +12,17 @@ std::uint16_t centralUav(const RunOptions& options) {
   return static_cast<std::uint16_t>(it - options.uavs.begin());
 }
 
+void World::setFrame(const LocalFrame& on_earth, HeightDatum datum) {
+  frame = on_earth;
+  grid = GridFrame(on_earth, datum);
+  record.relative = false;
+  record.latitude_deg = on_earth.origin().latitude_deg;
+  record.longitude_deg = on_earth.origin().longitude_deg;
+  record.height_m = on_earth.origin().height_m;
+  record.h_datum = datum;
+  record.utm = on_earth.utmZone();
+}
+
 World placeWorld(const RunOptions& options,
                  const std::vector<std::optional<GnssFix>>& first_fixes) {
   World world;
@@ -27,13 +38,7 @@ World placeWorld(const RunOptions& options,
     const auto p = parseNumbers(options.world.origin, 3, "[world] origin");
     origin = {p[0], p[1], p[2]};
   }
-  world.frame.emplace(origin);
-  world.grid = GridFrame(*world.frame, first->datum);
-  world.record.latitude_deg = origin.latitude_deg;
-  world.record.longitude_deg = origin.longitude_deg;
-  world.record.height_m = origin.height_m;
-  world.record.h_datum = first->datum;
-  world.record.utm = world.frame->utmZone();
+  world.setFrame(LocalFrame(origin), first->datum);
   return world;
 }
 

@@ -18,6 +18,9 @@ struct World {
   std::optional<LocalFrame> frame;  ///< none: no photo has a GNSS position, the map is relative
   GridFrame grid;
   WorldRecord record;
+
+  /// Places it on earth; heights count from `datum`.
+  void setFrame(const LocalFrame& on_earth, HeightDatum datum);
 };
 
 /// Place of the central UAV in the configuration.

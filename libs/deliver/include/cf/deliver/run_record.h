@@ -13,6 +13,7 @@
 
 #include "cf/base/stopwatch.h"
 #include "cf/base/time.h"
+#include "cf/deliver/ground_control_record.h"
 #include "cf/types/camera_model.h"
 #include "cf/types/gnss_fix.h"
 #include "cf/types/keyframe.h"
@@ -78,7 +79,8 @@ struct RunRecord {
   std::uint64_t bytes_over_seam = 0;
   double wall_s = 0;
   double peak_rss_mb = 0;
-  int components = 0;  ///< groups of photos joined by matches
+  int components = 0;                                 ///< groups of photos joined by matches
+  std::optional<GroundControlRecord> ground_control;  ///< none: no list was given
   std::vector<std::string> warnings;
 };
 

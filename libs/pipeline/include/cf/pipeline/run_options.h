@@ -43,6 +43,14 @@ struct UavOptions {
   void visit(OptionVisitor& v);
 };
 
+/// [gcp]
+struct GcpOptions {
+  std::string file;           ///< gcp_list.txt, relative to the ini; empty: none
+  std::string use = "check";  ///< or control
+  std::string size;           ///< "WxH" of the photos in which they were marked; empty: as recorded
+  void visit(OptionVisitor& v);
+};
+
 /// [playback]
 struct PlaybackOptions {
   double rate = 0;        ///< times real time; 0 = as fast as possible
@@ -79,6 +87,7 @@ struct RunOptions {
   OdometryOptions odometry;
   GeoreferenceOptions georeference;
   AlignOptions align;
+  GcpOptions gcp;
   DensifyOptions densify;
   FuseOptions fuse;
   OctomapOptions octomap;
