@@ -440,6 +440,46 @@ TEST_F(Deliver, ReportHoldsWhatTheContractNames) {
   EXPECT_EQ(report["warnings"], (nlohmann::json::array({"a warning with <angle> brackets"})));
 }
 
+TEST_F(Deliver, GroundPointsAreInBothReports) {
+  RunRecord run = makeRun();
+  GroundControlRecord& ground = run.ground_control.emplace();
+  ground.file = "gcp_list.txt";
+  ground.missing["far"] = "the rays are parallel";
+  writeReportJson(run, dir_);
+  auto found = nlohmann::json::parse(textOf(dir_ / "report.json"))["ground_control"];
+  EXPECT_EQ(found["points"], 1);
+  EXPECT_EQ(found["triangulated"], 0);
+  EXPECT_TRUE(found["difference_m"].is_null());
+  EXPECT_EQ(found["missing"]["far"], "the rays are parallel");
+
+  GroundPointRecord point;
+  point.name = "<a>";
+  point.marks = 4;
+  point.rms_px = 0.5;
+  point.difference_m = {3, 4, 12};
+  ground.points.push_back(point);
+  point.difference_m = {3, 4, -12};
+  point.left_out_m = Eigen::Vector3d(0, 0, 2);
+  ground.points.push_back(point);
+  ground.moved = MapMotion{{1, 2, 40}, 0.25, 1.01};
+  writeReportJson(run, dir_);
+  found = nlohmann::json::parse(textOf(dir_ / "report.json"))["ground_control"];
+  EXPECT_EQ(found["use"], "control");
+  EXPECT_NEAR(found["difference_m"]["rms"].get<double>(), 13, 1e-12);
+  EXPECT_NEAR(found["difference_m"]["horizontal_rms"].get<double>(), 5, 1e-12);
+  EXPECT_NEAR(found["difference_m"]["vertical_rms"].get<double>(), 12, 1e-12);
+  EXPECT_EQ(found["difference_m"]["mean"], (nlohmann::json{3.0, 4.0, 0.0}));
+  EXPECT_EQ(found["left_out_difference_m"]["vertical_rms"], 2.0);
+  EXPECT_EQ(found["moved"]["shift_m"], (nlohmann::json{1.0, 2.0, 40.0}));
+  EXPECT_EQ(found["per_point"][1]["left_out_difference_m"], (nlohmann::json{0.0, 0.0, 2.0}));
+  writeReportHtml(run, dir_);
+  const std::string html = textOf(dir_ / "report.html");
+  EXPECT_TRUE(wellFormed(html, {"meta", "img"}));
+  EXPECT_NE(html.find("&lt;a&gt;"), std::string::npos);
+  EXPECT_NE(html.find("2 of 3 triangulated; RMS 5.000 m horizontally, 12.000 m vertically"),
+            std::string::npos);
+}
+
 TEST_F(Deliver, WorldAndSparsePoints) {
   const RunRecord run = makeRun();
   writeWorldJson(run, dir_);
