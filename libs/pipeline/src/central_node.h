@@ -16,12 +16,13 @@
 namespace cf {
 
 /// Receives what the UAVs hand over the seam, in time order, and keeps the common map up to date:
-/// a new version every `[align] update_every` keyframes, whatever the time that solving takes.
+/// a new version every `[align] update_every` keyframes, and before that when the flight, not the
+/// clock, is `update_after_s` beyond the first of them (0: never).
 class CentralNode {
  public:
   /// What is given by reference must outlive the node.
-  CentralNode(const AlignOptions& options, std::uint16_t center, std::size_t uavs,
-              PhotoStore& store, StageTimes& times);
+  CentralNode(const AlignOptions& options, std::uint16_t center, double update_after_s,
+              std::size_t uavs, PhotoStore& store, StageTimes& times);
 
   /// A UAV's camera, as given: before its first step.
   void introduce(std::uint16_t uav, const CameraModel& camera) { cameras_[uav] = camera; }
@@ -44,6 +45,7 @@ class CentralNode {
 
   Aligner aligner_;
   const int update_every_;
+  const double update_after_s_;
   std::vector<CameraModel> cameras_;
   PhotoStore& store_;
   StageTimes& times_;
@@ -52,6 +54,8 @@ class CentralNode {
   std::vector<std::vector<PhotoPose>> online_;
   std::map<FrameId, std::shared_ptr<const FeatureSet>> features_;
   int keyframes_since_update_ = 0;
+  TimeNs flown_to_ = 0;       ///< time of the newest keyframe
+  TimeNs waiting_since_ = 0;  ///< of the oldest keyframe since the last version
 };
 
 }  // namespace cf
