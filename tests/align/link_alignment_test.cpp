@@ -43,16 +43,16 @@ PosedPhoto lookDown(const Eigen::Vector2d& above, double height_m, double yaw) {
 }
 
 cv::Mat picture(const PosedPhoto& photo) {
-  cv::Mat bgr(kHeight, kWidth, CV_8UC3);
+  cv::Mat grey(kHeight, kWidth, CV_8UC1);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       const Eigen::Vector3d ray =
           photo.T_world_cam.linear() * photo.camera.undistort({double(x), double(y)}).homogeneous();
       const Eigen::Vector3d p =
           photo.T_world_cam.translation() - photo.T_world_cam.translation().z() / ray.z() * ray;
-      bgr.at<cv::Vec3b>(y, x) = cv::Vec3b::all(cv::saturate_cast<uchar>(texture(p.x(), p.y())));
+      grey.at<uchar>(y, x) = cv::saturate_cast<uchar>(texture(p.x(), p.y()));
     }
-  return bgr;
+  return grey;
 }
 
 /// Photos of the ground whose detections lie off by up to a pixel, each link seen by all.

@@ -5,6 +5,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <list>
 #include <memory>
 #include <optional>
@@ -19,6 +21,7 @@ constexpr double kMegapixels = 3;       ///< of the photos that patches are alig
 constexpr double kMaxShift = 2;         ///< of a detection, at the feature size [px]
 constexpr double kMostMagnified = 2.2;  ///< one sight against the other, in area
 constexpr std::size_t kGreysInMemory = 64;
+constexpr double kCellDepths = 0.5;  ///< side of the cells that links are aligned by, in depths
 
 /// Grey values of the photos used last.
 class Greys {
@@ -62,6 +65,37 @@ class Greys {
   std::list<FrameId> uses_;  ///< most recent first
 };
 
+/// Of a place on a curve that goes through all cells of a plane and seldom far (Morton 1966).
+std::uint64_t alongCurve(double x, double y) {
+  const auto spread = [](double v) {
+    auto bits = static_cast<std::uint64_t>(
+        static_cast<std::int64_t>(std::clamp(std::floor(v), -1e9, 1e9)) + (std::int64_t{1} << 30));
+    std::uint64_t out = 0;
+    for (int i = 0; i < 31; ++i) out |= (bits >> i & 1) << (2 * i);
+    return out;
+  };
+  return spread(x) | spread(y) << 1;
+}
+
+/// Links by the cell of the map that they lie in, one cell beside the other: most of the photos
+/// that see a cell saw the one before.
+std::map<std::uint64_t, std::vector<std::size_t>> byCell(
+    const std::vector<SparsePoint>& links, const std::map<FrameId, PosedPhoto>& photos) {
+  std::vector<double> depths;
+  for (const SparsePoint& link : links)
+    depths.push_back(
+        (photos.at(link.observations.front().frame).T_world_cam.inverse() * link.position_m).z());
+  std::map<std::uint64_t, std::vector<std::size_t>> cells;
+  if (links.empty()) return cells;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  const double cell_m = kCellDepths * *middle;
+  for (std::size_t i = 0; i < links.size(); ++i)
+    cells[alongCurve(links[i].position_m.x() / cell_m, links[i].position_m.y() / cell_m)].push_back(
+        i);
+  return cells;
+}
+
 /// Between pixel centres of two sizes of one photo.
 Eigen::Vector2d scaled(const Eigen::Vector2d& pixel, double factor) {
   return (pixel + Eigen::Vector2d(0.5, 0.5)) * factor - Eigen::Vector2d(0.5, 0.5);
@@ -93,7 +127,7 @@ class LinkAlignment {
                 const PhotoSource& source)
       : graph_(graph), photos_(photos), greys_(source) {}
 
-  /// Where the sights of links with their first in one photo lie; none where not aligned.
+  /// Where the sights of links lie, none where not aligned. Has all their photos in memory.
   using Positions = std::vector<std::optional<Eigen::Vector2d>>;
   std::vector<Positions> align(const std::vector<const SparsePoint*>& links) {
     std::vector<FrameId> wanted;
@@ -153,15 +187,15 @@ class LinkAlignment {
 
 AlignedLinks alignLinks(const MatchGraph& graph, const std::vector<SparsePoint>& links,
                         const std::map<FrameId, PosedPhoto>& photos, const PhotoSource& source) {
-  std::map<FrameId, std::vector<const SparsePoint*>> by_first;
-  for (const SparsePoint& link : links) by_first[link.observations.front().frame].push_back(&link);
   LinkAlignment alignment(graph, photos, source);
   AlignedLinks out;
   std::map<FrameId, FeatureSet> sights;
-  for (const auto& [first, of_photo] : by_first) {
-    const auto positions = alignment.align(of_photo);
-    for (std::size_t i = 0; i < of_photo.size(); ++i) {
-      const SparsePoint& link = *of_photo[i];
+  for (const auto& [cell, numbers] : byCell(links, photos)) {
+    std::vector<const SparsePoint*> of_cell;
+    for (const std::size_t number : numbers) of_cell.push_back(&links[number]);
+    const auto positions = alignment.align(of_cell);
+    for (std::size_t i = 0; i < of_cell.size(); ++i) {
+      const SparsePoint& link = *of_cell[i];
       if (std::count_if(positions[i].begin(), positions[i].end(),
                         [](const auto& p) { return p.has_value(); }) < 2) {
         out.left.push_back(link);

@@ -202,9 +202,9 @@ class Template {
 
 }  // namespace
 
-cv::Mat greyForAlignment(const cv::Mat& bgr, double megapixels) {
-  cv::Mat grey, reduced, smooth;
-  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+cv::Mat greyForAlignment(const cv::Mat& photo, double megapixels) {
+  cv::Mat grey = photo, smooth;
+  if (photo.channels() > 1) cv::cvtColor(photo, grey, cv::COLOR_BGR2GRAY);
   const double factor = std::sqrt(megapixels * 1e6 / static_cast<double>(grey.total()));
   if (factor < 1) cv::resize(grey, grey, cv::Size(), factor, factor, cv::INTER_AREA);
   cv::GaussianBlur(grey, smooth, cv::Size(5, 5), 0.8);

@@ -49,7 +49,7 @@ const PoseTable* CentralNode::receive(ChainStep step) {
 Alignment CentralNode::finish() {
   const StageTimes::Scope scope(times_, "align", CpuClock::kProcess);
   return aligner_.solve(segments(), gnss_, cameras_,
-                        [this](FrameId photo) { return store_.get(photo); });
+                        [this](FrameId photo) { return store_.grey(photo); });
 }
 
 std::vector<Eigen::Vector2f> CentralNode::pixelsOf(const std::vector<SparsePoint>& points) const {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
 #include <utility>
 #include <vector>
 
@@ -55,6 +56,10 @@ void PhotoStore::leaveMemory() {
   const std::lock_guard<std::mutex> lock(mutex_);
   entries_.clear();
   uses_.clear();
+}
+
+cv::Mat PhotoStore::grey(FrameId photo) const {
+  return cv::imread(file(photo).string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
 cv::Mat PhotoStore::half(FrameId photo) const { return read(photo, 2); }

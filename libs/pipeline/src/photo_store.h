@@ -30,6 +30,8 @@ class PhotoStore {
   cv::Mat get(FrameId photo);
   /// Forgets the decoded ones.
   void leaveMemory();
+  /// The same in grey, past the memory.
+  cv::Mat grey(FrameId photo) const;
   /// The same at half or an eighth of its size, past the memory.
   cv::Mat half(FrameId photo) const;
   cv::Mat eighth(FrameId photo) const;

@@ -10,7 +10,8 @@ namespace cf {
 
 /// A photo as patches are aligned in it: 8-bit grey, at most `megapixels` large, smoothed a little
 /// so that bilinear interpolation does not draw positions towards whole pixels.
-cv::Mat greyForAlignment(const cv::Mat& bgr, double megapixels);
+/// `photo`: BGR or grey.
+cv::Mat greyForAlignment(const cv::Mat& photo, double megapixels);
 
 struct AlignedPatch {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< in the target [px]
