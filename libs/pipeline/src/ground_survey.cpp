@@ -25,6 +25,8 @@ constexpr std::size_t kFewest = 3;
 /// Of points nearly on a line: what an error of one across it turns the map about it.
 constexpr double kSlenderest = 0.1;
 constexpr std::size_t kNamesSaid = 3;
+/// Nobody marks worse than this, and the photos of a map agree far better: of a photo's width.
+constexpr double kBadMark = 0.003;
 
 Eigen::Vector3d middleOf(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -65,6 +67,19 @@ GroundPointRecord recordOf(const MarkedPoint& point, const MarkedPlace& place) {
   }
   record.rms_px = std::sqrt(squares / record.marks);
   return record;
+}
+
+/// About the worst mark of a point, if it cannot be right.
+std::optional<std::string> badMark(const MarkedPoint& point, const MarkedPlace& place) {
+  const auto worse = [&](const MarkedSight& a, const MarkedSight& b) {
+    return a.errorOf(place.position).norm() < b.errorOf(place.position).norm();
+  };
+  const MarkedSight& worst = *std::max_element(point.sights.begin(), point.sights.end(), worse);
+  const double error_px = worst.errorOf(place.position).norm();
+  if (error_px < kBadMark * worst.camera.width) return std::nullopt;
+  return fmt::format(
+      "the marks of ground point {} disagree, worst in {} by {:.1f} px: look at them", point.name,
+      worst.image, error_px);
 }
 
 double rmsLength(const std::vector<GroundPointRecord>& points) {
@@ -171,6 +186,7 @@ GroundSurvey::Placed GroundSurvey::place(const World& world, const Alignment& al
                                point.name, why));
       continue;
     }
+    if (const auto bad = badMark(point, *place)) warn(record, list_.file.string() + ": " + *bad);
     placed.surveyed.push_back(point.surveyed);
     placed.mapped.push_back(place->position);
     placed.records.push_back(recordOf(point, *place));
