@@ -3,6 +3,7 @@
 #include "central_node.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace cf {
@@ -19,7 +20,7 @@ CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center, doub
       gnss_(uavs),
       online_(uavs) {}
 
-const PoseTable* CentralNode::receive(ChainStep step) {
+void CentralNode::receive(ChainStep step) {
   if (step.newest) store_.put(step.newest->photo, step.jpeg);
   const StageTimes::Scope scope(times_, "align");
   if (step.segments) segments_[step.uav] = step.segments;
@@ -30,20 +31,38 @@ const PoseTable* CentralNode::receive(ChainStep step) {
     flown_to_ = std::max(flown_to_, keyframe.keyframe->time);
     if (++keyframes_since_update_ == 1) waiting_since_ = flown_to_;
   }
-  const PoseTable* published = nullptr;
   const bool waited = update_after_s_ > 0 && keyframes_since_update_ > 0 &&
                       seconds(flown_to_ - waiting_since_) >= update_after_s_;
   if (update_every_ > 0 && (keyframes_since_update_ >= update_every_ || waited)) {
-    published = &aligner_.update(segments(), gnss_, cameras_);
+    version_ = &aligner_.update(segments(), gnss_, cameras_);
     keyframes_since_update_ = 0;
+    for (const auto& [id, entry] : version_->poses) not_final_.erase(id);
   }
-  if (!step.newest) return published;
+  if (!step.newest) return;
   const ChainStep::Newest& newest = *step.newest;
   if (const auto S_world_local = aligner_.similarity(newest.photo, newest.segment))
     online_[step.uav].push_back({newest.photo.index, S_world_local->carry(newest.T_local_cam)});
   else if (newest.T_world_cam)
     online_[step.uav].push_back({newest.photo.index, *newest.T_world_cam});
-  return published;
+  not_final_.emplace(newest.photo, newest);
+}
+
+PoseTable CentralNode::mapOfNow() const {
+  PoseTable table;
+  if (version_ == nullptr) return table;
+  table = *version_;
+  for (const auto& [id, photo] : not_final_) {
+    const auto S_world_local = aligner_.similarity(id, photo.segment);
+    const auto after = table.poses.lower_bound(id);
+    if (!S_world_local || after == table.poses.begin()) continue;
+    const auto& [before, entry] = *std::prev(after);
+    if (before.uav != id.uav) continue;
+    PoseTable::Entry carried = entry;  // it sees ground as far off as the photo before
+    carried.covariance = {};
+    carried.T_world_cam = S_world_local->carry(photo.T_local_cam);
+    table.poses[id] = carried;
+  }
+  return table;
 }
 
 Alignment CentralNode::finish() {

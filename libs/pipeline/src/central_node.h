@@ -27,8 +27,10 @@ class CentralNode {
   /// A UAV's camera, as given: before its first step.
   void introduce(std::uint16_t uav, const CameraModel& camera) { cameras_[uav] = camera; }
 
-  /// Returns the new version of the map, if it has become time for one; valid until the next.
-  const PoseTable* receive(ChainStep step);
+  void receive(ChainStep step);
+  /// The newest version of the map, and in it the photos that have come since and are not final,
+  /// carried on by their odometry. Empty before the first version.
+  PoseTable mapOfNow() const;
   /// The final map, when all steps have come.
   Alignment finish();
   /// Where the photos saw the points, of all their observations in order.
@@ -52,6 +54,8 @@ class CentralNode {
   std::vector<std::shared_ptr<const std::vector<GeoSegment>>> segments_;  ///< by UAV
   std::vector<GnssQuality> gnss_;                                         ///< by UAV
   std::vector<std::vector<PhotoPose>> online_;
+  const PoseTable* version_ = nullptr;              ///< newest, the aligner's
+  std::map<FrameId, ChainStep::Newest> not_final_;  ///< that it does not hold
   std::map<FrameId, std::shared_ptr<const FeatureSet>> features_;
   int keyframes_since_update_ = 0;
   TimeNs flown_to_ = 0;       ///< time of the newest keyframe

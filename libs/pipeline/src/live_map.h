@@ -24,9 +24,9 @@ namespace cf {
 /// map that a run delivers is made anew with the final poses and has nothing of this.
 class LiveMap {
  public:
-  /// What is to be done for a version of the map.
+  /// What is to be done when the map has changed.
   struct Job {
-    std::vector<StereoPair> pairs;  ///< of the photos that no earlier version held
+    std::vector<StereoPair> pairs;  ///< of the photos that were not in it before
     std::vector<DenseView> views;   ///< of all, in the order in which they were taken
   };
   /// A job done.
@@ -45,11 +45,11 @@ class LiveMap {
           const std::vector<std::vector<ImageFrame>>& photos, std::filesystem::path scratch,
           std::filesystem::path pictures, const PhotoStore& store, StageTimes& times);
 
-  /// In the order of versions.
+  /// In the order of the map's changes.
   Job jobOf(const PoseTable& table);
   /// Thread-safe. Photos that are `late` are not matched: the map must keep up.
   Depth match(Job job, const std::function<bool(FrameId)>& late) const;
-  /// In the order of versions: fuses them, and draws when it is time to.
+  /// In the same order: fuses them, and draws when it is time to.
   void show(Depth depth);
   /// The last pictures.
   void finish();

@@ -14,10 +14,10 @@ namespace cf {
 
 namespace {
 
-/// What is to be done for a version of the map, and since when.
-struct Version {
+/// What is to be done for what is new in the map, and since when.
+struct Change {
   LiveMap::Job job;
-  double published_s = 0;
+  double received_s = 0;
 };
 
 }  // namespace
@@ -35,7 +35,7 @@ PhotoTimes::Times PhotoTimes::of(FrameId photo) const {
 void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode& centre,
                 LiveMap* live, std::vector<std::vector<ImageFrame>>& photos, PhotoTimes& times) {
   using Step = StepSource::Step;
-  using Job = std::shared_ptr<Version>;
+  using Job = std::shared_ptr<Change>;
   using Depth = std::shared_ptr<LiveMap::Depth>;
   FlightProgress progress(source, options.inRealTime());
   const auto receive = [&](const Step& step) {
@@ -46,18 +46,18 @@ void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode&
       times.set(id, {step->taken_s, wallSeconds()});
     }
     progress.advance(*step);
-    const PoseTable* version = centre.receive(std::move(step->step));
-    auto job = live && version ? live->jobOf(*version) : LiveMap::Job{};
-    return std::make_shared<Version>(Version{std::move(job), wallSeconds()});
+    centre.receive(std::move(step->step));
+    auto job = live ? live->jobOf(centre.mapOfNow()) : LiveMap::Job{};
+    return std::make_shared<Change>(Change{std::move(job), wallSeconds()});
   };
-  const auto match = [&](const Job& version) {
-    // That a photo had to wait for its version does not mean that we are behind.
+  const auto match = [&](const Job& change) {
+    // That a photo had to wait for the first version of the map does not mean that we are behind.
     const auto late = [&](FrameId id) {
       const PhotoTimes::Times of = times.of(id);
-      const double behind_s = of.received_s - of.taken_s + wallSeconds() - version->published_s;
+      const double behind_s = of.received_s - of.taken_s + wallSeconds() - change->received_s;
       return options.inRealTime() && behind_s > options.max_lag_s;
     };
-    return std::make_shared<LiveMap::Depth>(live ? live->match(std::move(version->job), late)
+    return std::make_shared<LiveMap::Depth>(live ? live->match(std::move(change->job), late)
                                                  : LiveMap::Depth{});
   };
   const auto show = [&](const Depth& depth) {
