@@ -2,17 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "central_node.h"
 
-#include <algorithm>
 #include <iterator>
 #include <utility>
 
 namespace cf {
 
-CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center, double update_after_s,
-                         std::size_t uavs, PhotoStore& store, StageTimes& times)
+CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center, std::size_t uavs,
+                         PhotoStore& store, StageTimes& times)
     : aligner_(options, center),
       update_every_(options.update_every),
-      update_after_s_(update_after_s),
       cameras_(uavs),
       store_(store),
       times_(times),
@@ -28,12 +26,9 @@ void CentralNode::receive(ChainStep step) {
   for (const GeoKeyframe& keyframe : step.keyframes) {
     aligner_.push(keyframe);
     features_[keyframe.keyframe->id] = keyframe.keyframe->features;
-    flown_to_ = std::max(flown_to_, keyframe.keyframe->time);
-    if (++keyframes_since_update_ == 1) waiting_since_ = flown_to_;
+    ++keyframes_since_update_;
   }
-  const bool waited = update_after_s_ > 0 && keyframes_since_update_ > 0 &&
-                      seconds(flown_to_ - waiting_since_) >= update_after_s_;
-  if (update_every_ > 0 && (keyframes_since_update_ >= update_every_ || waited)) {
+  if (update_every_ > 0 && keyframes_since_update_ >= update_every_) {
     version_ = &aligner_.update(segments(), gnss_, cameras_);
     keyframes_since_update_ = 0;
     for (const auto& [id, entry] : version_->poses) not_final_.erase(id);

@@ -16,13 +16,12 @@
 namespace cf {
 
 /// Receives what the UAVs hand over the seam, in time order, and keeps the common map up to date:
-/// a new version every `[align] update_every` keyframes, and before that when the flight, not the
-/// clock, is `update_after_s` beyond the first of them (0: never).
+/// a new version every `[align] update_every` keyframes, whatever the time that solving takes.
 class CentralNode {
  public:
   /// What is given by reference must outlive the node.
-  CentralNode(const AlignOptions& options, std::uint16_t center, double update_after_s,
-              std::size_t uavs, PhotoStore& store, StageTimes& times);
+  CentralNode(const AlignOptions& options, std::uint16_t center, std::size_t uavs,
+              PhotoStore& store, StageTimes& times);
 
   /// A UAV's camera, as given: before its first step.
   void introduce(std::uint16_t uav, const CameraModel& camera) { cameras_[uav] = camera; }
@@ -47,7 +46,6 @@ class CentralNode {
 
   Aligner aligner_;
   const int update_every_;
-  const double update_after_s_;
   std::vector<CameraModel> cameras_;
   PhotoStore& store_;
   StageTimes& times_;
@@ -58,8 +56,6 @@ class CentralNode {
   std::map<FrameId, ChainStep::Newest> not_final_;  ///< that it does not hold
   std::map<FrameId, std::shared_ptr<const FeatureSet>> features_;
   int keyframes_since_update_ = 0;
-  TimeNs flown_to_ = 0;       ///< time of the newest keyframe
-  TimeNs waiting_since_ = 0;  ///< of the oldest keyframe since the last version
 };
 
 }  // namespace cf

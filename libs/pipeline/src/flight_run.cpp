@@ -120,11 +120,9 @@ class FlightRun {
   Alignment localise(PhotoStore& store, const WorkFolders& folders) {
     photos_.resize(options_.uavs.size());
     const std::uint16_t center = centralUav(options_);
-    const bool watched = options_.playback.inRealTime() || options_.view.live_every_s > 0;
-    CentralNode centre(options_.align, center, watched ? options_.view.live_after_s : 0,
-                       photos_.size(), store, times_);
+    CentralNode centre(options_.align, center, photos_.size(), store, times_);
     std::optional<LiveMap> live;
-    if (watched)
+    if (options_.playback.inRealTime() || options_.view.live_every_s > 0)
       live.emplace(options_, center, photos_, folders.work / "live-tiles", folders.outdir / "live",
                    store, times_);
     playFlight(*source_, options_.playback, centre, live ? &*live : nullptr, photos_, photo_times_);

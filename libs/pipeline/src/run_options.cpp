@@ -48,9 +48,6 @@ void ViewOptions::visit(OptionVisitor& v) {
   v.flag("snapshots", snapshots, "render pictures at the end of the run");
   v.number("live_every_s", live_every_s, {0, 86400},
            "seconds between pictures of the growing map (live/*.png); 0 = none");
-  v.number("live_after_s", live_after_s, {0, 86400},
-           "seconds of flight that a photo waits at most for the next version of the growing map, "
-           "before there are [align] update_every keyframes; 0 = until there are");
   v.number("live_megapixels", live_megapixels, {0.05, 100},
            "size matched for the live map [MP]; the final map has [densify] megapixels");
   v.text("size", size, "WIDTHxHEIGHT of the pictures [px]");

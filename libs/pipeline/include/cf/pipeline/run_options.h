@@ -67,7 +67,6 @@ struct PlaybackOptions {
 struct ViewOptions {
   bool snapshots = true;
   double live_every_s = 0;       ///< between pictures of the growing map; 0 = none
-  double live_after_s = 3;       ///< of flight that a photo may wait for a version of it
   double live_megapixels = 0.3;  ///< matched for it
   std::string size = "1920x1080";
   void visit(OptionVisitor& v);
