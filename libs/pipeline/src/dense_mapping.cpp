@@ -109,14 +109,15 @@ class DenseMapper {
     store_.leaveMemory();
     releaseFreeMemory();  // of the map and its products, before the rasters
     // What is drawn with one thread goes with what is left of the others.
+    sideBySide([&] { rasters_->writeDsm(cloud, folders_.outdir, times_); },
+               [&] { writeOctomap(); });
+    releaseFreeMemory();  // the pictures take some, and the orthophoto
     sideBySide(
         [&] {
-          rasters_->write(views_, photos_, store_, cloud, matched_pixel_m, folders_.outdir, times_);
+          rasters_->writeOrthophoto(views_, photos_, store_, matched_pixel_m, folders_.outdir,
+                                    times_);
         },
-        [&] {
-          writeOctomap();
-          beside(summary_);
-        });
+        [&] { beside(summary_); });
   }
 
  private:

@@ -12,6 +12,8 @@
 namespace cf {
 namespace {
 
+constexpr const char* kDsm = "dsm.tif";
+
 /// Ground size of a photo's own pixel, the median over the views.
 double photoGroundSize(const std::vector<DenseView>& views) {
   std::vector<double> sizes;
@@ -28,28 +30,19 @@ MapRasters::MapRasters(const DeliverOptions& options, const GridFrame& grid, dou
 
 void MapRasters::add(const Tile& tile) { dsm_.add(tile); }
 
-void MapRasters::write(const std::vector<DenseView>& views,
-                       const std::vector<std::vector<ImageFrame>>& photos, const PhotoStore& store,
-                       TileStore& cloud, double matched_pixel_m,
-                       const std::filesystem::path& outdir, StageTimes& times) {
+void MapRasters::writeDsm(TileStore& cloud, const std::filesystem::path& outdir,
+                          StageTimes& times) {
   if (dsm_.empty() || (!options_.dsm && !options_.orthophoto)) return;
-  const std::filesystem::path dsm = outdir / "dsm.tif";
-  {
-    const StageTimes::Scope scope(times, "dsm", CpuClock::kProcess);
-    dsm_.write(cloud, dsm);
-  }
-  if (options_.orthophoto) {
-    const StageTimes::Scope scope(times, "orthophoto", CpuClock::kProcess);
-    writeOrtho(views, photos, store, matched_pixel_m, dsm, outdir);
-  }
-  if (!options_.dsm) std::filesystem::remove(dsm);
+  const StageTimes::Scope scope(times, "dsm", CpuClock::kProcess);
+  dsm_.write(cloud, outdir / kDsm);
 }
 
-void MapRasters::writeOrtho(const std::vector<DenseView>& views,
-                            const std::vector<std::vector<ImageFrame>>& photos,
-                            const PhotoStore& store, double matched_pixel_m,
-                            const std::filesystem::path& dsm,
-                            const std::filesystem::path& outdir) const {
+void MapRasters::writeOrthophoto(const std::vector<DenseView>& views,
+                                 const std::vector<std::vector<ImageFrame>>& photos,
+                                 const PhotoStore& store, double matched_pixel_m,
+                                 const std::filesystem::path& outdir, StageTimes& times) const {
+  if (dsm_.empty() || !options_.orthophoto) return;
+  const StageTimes::Scope scope(times, "orthophoto", CpuClock::kProcess);
   const double photo_m = photoGroundSize(views);
   const double gsd_m = options_.orthophoto_gsd_m > 0 ? options_.orthophoto_gsd_m
                                                      : std::max(photo_m, matched_pixel_m / 2);
@@ -67,7 +60,8 @@ void MapRasters::writeOrtho(const std::vector<DenseView>& views,
     const auto image = decodePhoto(photo, full * reduction * reduction);
     return image ? image.value() : cv::Mat();
   };
-  writeOrthophoto(outdir / "orthophoto.tif", dsm, grid_, ortho, decode, gsd_m);
+  cf::writeOrthophoto(outdir / "orthophoto.tif", outdir / kDsm, grid_, ortho, decode, gsd_m);
+  if (!options_.dsm) std::filesystem::remove(outdir / kDsm);
 }
 
 }  // namespace cf

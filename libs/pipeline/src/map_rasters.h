@@ -26,19 +26,17 @@ class MapRasters {
   /// A tile of the finished cloud.
   void add(const Tile& tile);
 
-  /// Writes both into `outdir`, as far as they are wanted and there is a surface. `views` of
-  /// `photos` (by UAV); `cloud` holds the tiles. `matched_pixel_m`: its size on the ground.
-  void write(const std::vector<DenseView>& views,
-             const std::vector<std::vector<ImageFrame>>& photos, const PhotoStore& store,
-             TileStore& cloud, double matched_pixel_m, const std::filesystem::path& outdir,
-             StageTimes& times);
+  /// Writes dsm.tif into `outdir`, if it or the orthophoto is wanted and there is a surface;
+  /// `cloud` holds the tiles.
+  void writeDsm(TileStore& cloud, const std::filesystem::path& outdir, StageTimes& times);
+  /// Writes orthophoto.tif beside it, if wanted, and takes away a dsm.tif that is not. `views` of
+  /// `photos` (by UAV). `matched_pixel_m`: its size on the ground.
+  void writeOrthophoto(const std::vector<DenseView>& views,
+                       const std::vector<std::vector<ImageFrame>>& photos, const PhotoStore& store,
+                       double matched_pixel_m, const std::filesystem::path& outdir,
+                       StageTimes& times) const;
 
  private:
-  void writeOrtho(const std::vector<DenseView>& views,
-                  const std::vector<std::vector<ImageFrame>>& photos, const PhotoStore& store,
-                  double matched_pixel_m, const std::filesystem::path& dsm,
-                  const std::filesystem::path& outdir) const;
-
   const DeliverOptions& options_;
   const GridFrame& grid_;
   DsmBuilder dsm_;
