@@ -96,22 +96,12 @@ std::map<std::uint64_t, std::vector<std::size_t>> byCell(
   return cells;
 }
 
-/// Between pixel centres of two sizes of one photo.
-Eigen::Vector2d scaled(const Eigen::Vector2d& pixel, double factor) {
-  return (pixel + Eigen::Vector2d(0.5, 0.5)) * factor - Eigen::Vector2d(0.5, 0.5);
-}
-
-/// Derivative of pixels in `target` by pixels in `source` around a point that lies in a plane
-/// parallel to the source's image.
+/// Derivative of the target's pixels by the source's.
 Eigen::Matrix2d warpOf(const PosedPhoto& source, const PosedPhoto& target,
                        const Eigen::Vector3d& p_world) {
-  const Eigen::Isometry3d T_target_source = target.T_world_cam.inverse() * source.T_world_cam;
-  const Eigen::Vector3d p_source = source.T_world_cam.inverse() * p_world;
-  const Eigen::Vector3d p = T_target_source * p_source;
-  const Eigen::Matrix<double, 3, 2> plane = T_target_source.linear().leftCols<2>();
-  const Eigen::Matrix2d of_rays =
-      p_source.z() / p.z() * (plane.topRows<2>() - p.head<2>() / p.z() * plane.row(2));
-  return target.camera.fx / source.camera.fx * of_rays;
+  return target.camera.fx / source.camera.fx *
+         patchWarp(target.T_world_cam.inverse() * source.T_world_cam,
+                   source.T_world_cam.inverse() * p_world);
 }
 
 /// One photo as patches are aligned in it.
@@ -161,7 +151,7 @@ class LinkAlignment {
     const View source = viewOf(first.frame);
     if (source.grey.empty()) return positions;
     positions[0] = pixelOf(first);
-    const Eigen::Vector2d at = scaled(*positions[0], source.grey_per_pixel);
+    const Eigen::Vector2d at = scaledPixel(*positions[0], source.grey_per_pixel);
     for (std::size_t i = 1; i < link.observations.size(); ++i) {
       const SparseObservation& o = link.observations[i];
       const View target = viewOf(o.frame);
@@ -171,9 +161,9 @@ class LinkAlignment {
       const double magnified = std::abs(A.determinant());
       if (!(magnified < kMostMagnified && magnified > 1 / kMostMagnified)) continue;
       const auto aligned = alignPatch(
-          source.grey, at, target.grey, scaled(pixelOf(o), target.grey_per_pixel), A,
+          source.grey, at, target.grey, scaledPixel(pixelOf(o), target.grey_per_pixel), A,
           kMaxShift * graph_.photo(o.frame).features->pixel_size * target.grey_per_pixel);
-      if (aligned) positions[i] = scaled(aligned->position, 1 / target.grey_per_pixel);
+      if (aligned) positions[i] = scaledPixel(aligned->position, 1 / target.grey_per_pixel);
     }
     return positions;
   }

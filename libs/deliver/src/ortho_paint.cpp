@@ -6,11 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define CF_CLONES
-#endif
+#include "cf/base/instruction_sets.h"
 
 namespace cf {
 namespace {
@@ -27,7 +23,6 @@ struct Canvas {
   cv::Mat weights;  ///< CV_32FC1
 };
 
-/// Compiled for several instruction sets and chosen at run time: the same result from each.
 CF_CLONES void addRow(const std::uint8_t* share, const std::uint8_t* share_of_colour,
                       const std::uint8_t* colour, const float* factor, int width,
                       float* __restrict sum, float* __restrict weight) {

@@ -5,14 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
-// The hot loops are compiled for several instruction sets and chosen at run time. They hold
-// integers only, so that every choice gives the same result.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define CF_CLONES
-#endif
-#define CF_INLINE inline __attribute__((always_inline))
+#include "cf/base/instruction_sets.h"
 
 namespace cf {
 

@@ -202,6 +202,17 @@ class Template {
 
 }  // namespace
 
+Eigen::Vector2d scaledPixel(const Eigen::Vector2d& pixel, double factor) {
+  return (pixel + Eigen::Vector2d(0.5, 0.5)) * factor - Eigen::Vector2d(0.5, 0.5);
+}
+
+Eigen::Matrix2d patchWarp(const Eigen::Isometry3d& T_target_source,
+                          const Eigen::Vector3d& p_source) {
+  const Eigen::Vector3d p = T_target_source * p_source;
+  const Eigen::Matrix<double, 3, 2> plane = T_target_source.linear().leftCols<2>();
+  return p_source.z() / p.z() * (plane.topRows<2>() - p.head<2>() / p.z() * plane.row(2));
+}
+
 cv::Mat greyForAlignment(const cv::Mat& photo, double megapixels) {
   cv::Mat grey = photo, smooth;
   if (photo.channels() > 1) cv::cvtColor(photo, grey, cv::COLOR_BGR2GRAY);

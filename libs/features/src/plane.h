@@ -5,10 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-/// The hot loops of this library are compiled for several classes of CPU, the best is taken when
-/// the program starts. None of them lets the compiler reorder floating-point sums, so all of them
-/// give the same bits.
-#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#include "cf/base/instruction_sets.h"
 
 namespace cf::sift {
 

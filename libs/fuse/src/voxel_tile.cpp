@@ -9,13 +9,7 @@
 #include <limits>
 #include <utility>
 
-// Compiled for several instruction sets and chosen at run time. Floating-point operations are done
-// lane by lane in each of them: the same result.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define CF_CLONES
-#endif
+#include "cf/base/instruction_sets.h"
 
 namespace cf {
 namespace {

@@ -12,16 +12,10 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "cf/base/instruction_sets.h"
+
 namespace cf {
 namespace {
-
-// Compiled for several instruction sets and chosen at run time: the same result from each.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define CF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define CF_CLONES
-#endif
-#define CF_INLINE inline __attribute__((always_inline))
 
 constexpr double kMaxAxisTilt = 0.7071;  // cosine between baseline and mean optical axis
 constexpr double kMaxAxisSpread = 0.5;   // cosine between the two optical axes, at least

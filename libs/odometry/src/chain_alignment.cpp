@@ -13,24 +13,14 @@ double greyPerPixel(const TrackedPhoto& photo) {
   return static_cast<double>(photo.grey.cols) / photo.frame.camera.width;
 }
 
-/// Between pixel centres of two sizes of one photo.
-Eigen::Vector2d scaled(const Eigen::Vector2d& pixel, double factor) {
-  return (pixel + Eigen::Vector2d(0.5, 0.5)) * factor - Eigen::Vector2d(0.5, 0.5);
-}
-
 Eigen::Vector2d inGrey(const TrackedPhoto& photo, std::size_t feature) {
-  return scaled(photo.features->pixel[feature].cast<double>(), greyPerPixel(photo));
+  return scaledPixel(photo.features->pixel[feature].cast<double>(), greyPerPixel(photo));
 }
 
-/// Derivative of pixels in `target` by pixels in `source` around a point that lies in a plane
-/// parallel to the source's image.
 Eigen::Matrix2d warpOf(const TrackedPhoto& source, const TrackedPhoto& target,
                        const Eigen::Vector3d& p_local) {
-  const Eigen::Isometry3d T_target_source = target.T_local_cam.inverse() * source.T_local_cam;
-  const Eigen::Vector3d p_source = source.T_local_cam.inverse() * p_local;
-  const Eigen::Vector3d p = T_target_source * p_source;
-  const Eigen::Matrix<double, 3, 2> plane = T_target_source.linear().leftCols<2>();
-  return p_source.z() / p.z() * (plane.topRows<2>() - p.head<2>() / p.z() * plane.row(2));
+  return patchWarp(target.T_local_cam.inverse() * source.T_local_cam,
+                   source.T_local_cam.inverse() * p_local);
 }
 
 /// A sight of the landmark whose grey values are at hand and that lies in its chain, the earliest.
@@ -63,7 +53,7 @@ void alignToLandmarks(LocalMap& map, PhotoIndex photo) {
         source.grey, inGrey(source, static_cast<std::size_t>(seen->feature)), target.grey,
         inGrey(target, f), warpOf(source, target, map.position(landmark)), max_shift);
     if (!aligned) continue;
-    const Eigen::Vector2d pixel = scaled(aligned->position, 1 / greyPerPixel(target));
+    const Eigen::Vector2d pixel = scaledPixel(aligned->position, 1 / greyPerPixel(target));
     target.features->pixel[f] = pixel.cast<float>();
     target.normalized[f] = target.frame.camera.undistort(pixel);
     target.chain[f] = id;

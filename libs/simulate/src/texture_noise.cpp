@@ -4,13 +4,15 @@
 
 #include <algorithm>
 
+#include "cf/base/instruction_sets.h"
+
 namespace cf {
 namespace {
 
 /// One octave. (c, s) turns the lattice, so that octaves do not share its directions.
-CF_SIMULATE_CLONES void addOctave(int n, const float* x, const float* y, const float* footprint,
-                                  float spacing, float amplitude, float c, float s,
-                                  std::uint32_t seed, float* sum) {
+CF_CLONES void addOctave(int n, const float* x, const float* y, const float* footprint,
+                         float spacing, float amplitude, float c, float s, std::uint32_t seed,
+                         float* sum) {
   const float per_metre = 1 / spacing;
   for (int i = 0; i < n; ++i) {
     const float u = (c * x[i] - s * y[i]) * per_metre, v = (s * x[i] + c * y[i]) * per_metre;

@@ -6,11 +6,6 @@
 #include <cmath>
 #include <cstdint>
 
-/// One source, compiled for three widths of vector unit; the loop that runs is picked at start.
-/// Each element is computed by the same operations at every width: the results are the same.
-#define CF_SIMULATE_CLONES \
-  __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-
 namespace cf {
 
 /// Lattice spacings of the noise octaves: 20.48 m / 2^k, the last one 1 cm. Most of an octave's

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
@@ -12,6 +12,15 @@ namespace cf {
 /// so that bilinear interpolation does not draw positions towards whole pixels.
 /// `photo`: BGR or grey.
 cv::Mat greyForAlignment(const cv::Mat& photo, double megapixels);
+
+/// Between pixel centres (whole numbers) of two sizes of one photo, the other `factor` times as
+/// large.
+Eigen::Vector2d scaledPixel(const Eigen::Vector2d& pixel, double factor);
+
+/// Derivative of the target's normalized plane by the source's around a point that lies in a plane
+/// parallel to the source's image; `p_source` in the source's frame, any unit.
+Eigen::Matrix2d patchWarp(const Eigen::Isometry3d& T_target_source,
+                          const Eigen::Vector3d& p_source);
 
 struct AlignedPatch {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< in the target [px]
