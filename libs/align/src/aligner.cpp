@@ -34,7 +34,7 @@ class Aligner::State {
 
   void push(const GeoKeyframe& keyframe) { solver_.push(keyframe); }
 
-  const PoseTable& update(UavKnowledge known) {
+  const PoseTable& update(const UavKnowledge& known) {
     if (draft_.valid()) take(draft_.get());
     const bool first = map_.table.poses.empty();
     const double photos = static_cast<double>(solver_.graph().photos().size());

@@ -34,7 +34,7 @@ struct WorkFolders {
 /// The map with the final poses: the depth of all stereo pairs, as far as it was matched in the
 /// flight already, fused into tiles, clouds, OctoMap and rasters. `photos` by UAV. When the cloud
 /// and the OctoMap are written, `beside` is called in this thread, while the others are at the
-/// rasters; it is called once, whatever the map holds.
+/// orthophoto; it is called once, whatever the map holds.
 void mapDensely(const std::vector<std::vector<ImageFrame>>& photos, const Alignment& alignment,
                 const GridFrame& grid, const RunOptions& options, const WorkFolders& folders,
                 DenseMatching& matching, PhotoStore& store, StageTimes& times,

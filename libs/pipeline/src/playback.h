@@ -34,8 +34,8 @@ inline constexpr std::size_t kStepsInFlight = 16;
 
 /// All steps of the source to the centre, which takes them up in order beside the stages of the
 /// source: while the centre solves, these go on, up to a bounded number of photos ahead. The result
-/// depends neither on timing nor on the number of threads. Each version of the map goes to `live`,
-/// if there is one, beside all this. Adds to `photos` (by UAV) and `times` what comes.
+/// depends neither on timing nor on the number of threads. What each step adds to the map goes to
+/// `live`, if there is one, beside all this. Adds to `photos` (by UAV) and `times` what comes.
 void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode& centre,
                 LiveMap* live, std::vector<std::vector<ImageFrame>>& photos, PhotoTimes& times);
 
