@@ -105,7 +105,7 @@ RunRecord makeRun() {
   point.bgr[2] = 30;
   run.sparse_points = {point};
   run.stages["odometry"] = {4.0, 8.0};
-  for (int i = 100; i >= 1; --i) run.latencies_s.push_back(0.01 * i);
+  for (std::uint32_t i = 100; i >= 1; --i) run.latencies.push_back({{0, i}, 0, 0.01 * i});
   run.bytes_over_seam = 123456789012;
   run.wall_s = 12.5;
   run.peak_rss_mb = 800;

@@ -103,14 +103,14 @@ TEST_F(LiveRun, WatchingChangesNothingOfTheResult) {
 
 TEST_F(LiveRun, InRealTimeEveryPhotoHasALatency) {
   const RunRecord run = play(folder_ / "out", {"playback.rate=2", "playback.max_lag_s=600"});
-  ASSERT_EQ(run.latencies_s.size(), 15u);
+  ASSERT_EQ(run.latencies.size(), 15u);
   ASSERT_TRUE(run.real_time);
   EXPECT_EQ(run.real_time->left_out_live, 0u);
   EXPECT_GE(run.real_time->most_behind_s, 0);
   // Each photo's latency is positive, and not counted from the start of the flight.
-  EXPECT_GT(*std::min_element(run.latencies_s.begin(), run.latencies_s.end()), 0);
-  for (const std::string& warning : run.warnings)
-    EXPECT_EQ(warning.find("live map left out"), std::string::npos) << warning;
+  for (const PhotoLatency& latency : run.latencies) EXPECT_GT(latency.latency_s, 0);
+  for (const Warning& warning : run.warnings)
+    EXPECT_EQ(warning.text.find("live map left out"), std::string::npos) << warning.text;
 }
 
 }  // namespace

@@ -63,8 +63,8 @@ class UavRelations : public ::testing::Test {
   }
 
   bool warned(const std::string& text) const {
-    return std::any_of(run_.warnings.begin(), run_.warnings.end(), [&](const std::string& line) {
-      return line.find(text) != std::string::npos;
+    return std::any_of(run_.warnings.begin(), run_.warnings.end(), [&](const Warning& line) {
+      return line.text.find(text) != std::string::npos;
     });
   }
 

@@ -10,6 +10,7 @@
 #include "homography_alignment.h"
 #include "map_extension.h"
 #include "relative_poses.h"
+#include "seam_points.h"
 #include "track_triangulation.h"
 
 namespace cf {
@@ -120,7 +121,10 @@ Alignment MapSolver::solve(const UavKnowledge& known, bool draft, std::uint32_t 
   else
     adjust(placement, known, draft, source, out);
   addPoses(placement, out);
-  if (!draft) addRelativePoses(views, placement, observed, out);
+  if (!draft) {
+    addRelativePoses(views, placement, observed, out);
+    addSeamPoints(out);
+  }
   return out;
 }
 
@@ -230,6 +234,15 @@ void MapSolver::addPoses(const Placement& placement, Alignment& out) const {
     if (out.table.poses.count(id) == 0)
       out.table.poses[id] = {placed.T_world_cam, {}, placed.component, 0, 0, 0};
   setDepths(out.points, out.table);
+}
+
+void MapSolver::addSeamPoints(Alignment& out) const {
+  std::map<FrameId, PosedPhoto> photos;
+  for (const auto& [id, entry] : out.table.poses) {
+    const CameraModel& given = graph_.photo(id).camera;
+    photos[id] = {entry.T_world_cam, out.table.cameras[id.uav].scaled(given.width, given.height)};
+  }
+  out.seam_points = seamPoints(graph_, buildTracks(graph_), photos);
 }
 
 void MapSolver::addRelativePoses(const PairViews& views, const Placement& placement,

@@ -54,6 +54,7 @@ class MapSolver {
               const PhotoSource& source, Alignment& out) const;
   void keepRigid(const Placement& placement, Alignment& out) const;
   void addPoses(const Placement& placement, Alignment& out) const;
+  void addSeamPoints(Alignment& out) const;
   void addRelativePoses(const PairViews& views, const Placement& placement,
                         PairObservations& observed, Alignment& out) const;
 

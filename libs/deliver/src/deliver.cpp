@@ -21,20 +21,24 @@ const char* name(PhotoStatus status) {
   return "unposed";
 }
 
-std::vector<std::string> allWarnings(const RunRecord& run) {
-  std::vector<std::string> warnings = run.warnings;
+std::vector<Warning> allWarnings(const RunRecord& run) {
+  std::vector<Warning> warnings = run.warnings;
   if (run.world.relative) {
-    warnings.push_back(
+    warnings.emplace_back(
         "no GNSS position at all: the map is relative (arbitrary origin and heading); "
         "all.geojson, all.kml, *.ecef.csv, shots.geojson and map.kml are left out, cloud.las and "
         "the rasters have no "
-        "reference system");
+        "reference system",
+        "give the photos positions (cf-import --geo geo.txt), or the map its place by surveyed "
+        "points ([gcp] use = control)");
   } else if (run.world.h_datum != HeightDatum::kEllipsoid) {
-    warnings.push_back(run.world.h_datum == HeightDatum::kMsl
-                           ? "heights count from mean sea level; *.ecef.csv takes them as "
-                             "ellipsoidal"
-                           : "what the heights count from is unknown; *.ecef.csv takes them as "
-                             "ellipsoidal");
+    warnings.emplace_back(run.world.h_datum == HeightDatum::kMsl
+                              ? "heights count from mean sea level; *.ecef.csv takes them as "
+                                "ellipsoidal"
+                              : "what the heights count from is unknown; *.ecef.csv takes them as "
+                                "ellipsoidal",
+                          "do not use the ECEF files for heights; everything else has heights as "
+                          "the receivers gave them");
   }
   return warnings;
 }
@@ -60,7 +64,7 @@ void deliver(const RunRecord& run, const std::filesystem::path& outdir,
   writeRelativePoses(run, outdir);
   writeSparsePly(run, outdir);
   if (options.handover) handOver(run, outdir);
-  if (run.world.relative) logWarning(allWarnings(run).back());
+  if (run.world.relative) logWarning(allWarnings(run).back().text);
   writeReportJson(run, outdir);
   if (options.html) writeReportHtml(run, outdir);
 }

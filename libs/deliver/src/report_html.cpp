@@ -81,7 +81,7 @@ std::string stageTable(const RunRecord& run) {
                 fmt::format("{:.3f}", s.wall_s / photos), fmt::format("{:.3f}", s.cpu_s / photos)});
   out += row("td", {"whole run", fmt::format("{:.2f}", run.wall_s), "",
                     fmt::format("{:.3f}", run.wall_s / photos), ""});
-  const Latency latency = latencyOf(run.latencies_s);
+  const Latency latency = latencyOf(run.latencies);
   return out + fmt::format(
                    "</table>\n<p>From a photo's arrival to its last product: median {:.2f} "
                    "s, 95 % within {:.2f} s, longest {:.2f} s.</p>\n",
@@ -164,7 +164,7 @@ void writeReportHtml(const RunRecord& run, const fs::path& outdir) {
                         run.world.latitude_deg, run.world.longitude_deg, run.world.height_m,
                         name(run.world.h_datum), markupEscaped(run.world.utm));
   for (const auto& warning : allWarnings(run))
-    html += "<div class=\"warn\">" + markupEscaped(warning) + "</div>\n";
+    html += "<div class=\"warn\">" + markupEscaped(warning.text) + "</div>\n";
   html += pictures(outdir / "snapshots") + uavTable(run) + scalePlot(run) + relativePosesText(run) +
           (run.ground_control ? groundControlHtml(*run.ground_control) : "") + stageTable(run) +
           lostPhotos(run) + "</body></html>\n";

@@ -60,7 +60,9 @@ PhotoTotals totalsOf(const RunRecord& run) {
   return totals;
 }
 
-Latency latencyOf(std::vector<double> seconds) {
+Latency latencyOf(const std::vector<PhotoLatency>& latencies) {
+  std::vector<double> seconds;
+  for (const PhotoLatency& of_photo : latencies) seconds.push_back(of_photo.latency_s);
   if (seconds.empty()) return {};
   std::sort(seconds.begin(), seconds.end());
   const auto rank = [&](double share) {  // nearest rank
@@ -82,7 +84,7 @@ void writeReportJson(const RunRecord& run, const std::filesystem::path& outdir) 
   report["stages"] = Json::object();
   for (const auto& [stage, s] : run.stages)
     report["stages"][stage] = {{"wall_s", finite(s.wall_s)}, {"cpu_s", finite(s.cpu_s)}};
-  const Latency latency = latencyOf(run.latencies_s);
+  const Latency latency = latencyOf(run.latencies);
   report["latency_s"] = {{"p50", latency.p50}, {"p95", latency.p95}, {"max", latency.max}};
   if (run.real_time)
     report["real_time"] = {{"most_behind_s", run.real_time->most_behind_s},
@@ -91,7 +93,8 @@ void writeReportJson(const RunRecord& run, const std::filesystem::path& outdir) 
   for (const auto& uav : run.uavs) report["uavs"][uav.name] = uavJson(uav);
   report["relative_poses"] = run.relative_poses.size();
   if (run.ground_control) report["ground_control"] = groundControlJson(*run.ground_control);
-  report["warnings"] = allWarnings(run);
+  report["warnings"] = Json::array();
+  for (const Warning& warning : allWarnings(run)) report["warnings"].push_back(warning.text);
   writeFileAtomically(outPath(outdir, "", "report.json"), text(report));
 }
 

@@ -20,6 +20,6 @@ PhotoTotals totalsOf(const RunRecord& run);
 struct Latency {
   double p50 = 0, p95 = 0, max = 0;
 };
-Latency latencyOf(std::vector<double> seconds);
+Latency latencyOf(const std::vector<PhotoLatency>& latencies);
 
 }  // namespace cf

@@ -26,6 +26,7 @@ void CentralNode::receive(ChainStep step) {
   for (const GeoKeyframe& keyframe : step.keyframes) {
     aligner_.push(keyframe);
     features_[keyframe.keyframe->id] = keyframe.keyframe->features;
+    if (keyframe.fix) fixes_[keyframe.keyframe->id] = *keyframe.fix;
     ++keyframes_since_update_;
   }
   if (update_every_ > 0 && keyframes_since_update_ >= update_every_) {

@@ -38,6 +38,8 @@ class CentralNode {
   /// Each photo's pose as the cluster knew it when the photo had been processed, by UAV: carried on
   /// from the common map, or, where its segment is not in it yet, as the UAV knew it alone.
   const std::vector<std::vector<PhotoPose>>& onlineTrajectories() const { return online_; }
+  /// What the receivers said at the photos' times.
+  const std::map<FrameId, GnssPosition>& fixes() const { return fixes_; }
   /// By UAV, as given.
   const std::vector<CameraModel>& cameras() const { return cameras_; }
 
@@ -55,6 +57,7 @@ class CentralNode {
   const PoseTable* version_ = nullptr;              ///< newest, the aligner's
   std::map<FrameId, ChainStep::Newest> not_final_;  ///< that it does not hold
   std::map<FrameId, std::shared_ptr<const FeatureSet>> features_;
+  std::map<FrameId, GnssPosition> fixes_;
   int keyframes_since_update_ = 0;
 };
 

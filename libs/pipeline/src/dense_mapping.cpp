@@ -230,7 +230,7 @@ class DenseMapper {
             if (las) las->add(tile);
           },
           [&] { rasters_->add(tile); }, [&] { octomap_->addSurface(tile); },
-          [&] { tiles.save(tile); });
+          [&] { tiles.save(tile); }, [&] { summary_.cloud.add(tile); });
     });
     tiles.flush();
     ply.close();

@@ -8,6 +8,7 @@
 
 #include "cf/align/aligner.h"
 #include "cf/base/stopwatch.h"
+#include "cf/deliver/cloud_sketch.h"
 #include "cf/geodesy/grid_frame.h"
 #include "cf/pipeline/run_options.h"
 #include "cf/types/image_frame.h"
@@ -21,6 +22,7 @@ struct DenseSummary {
   std::map<std::string, int> failures;  ///< pairs without a depth frame, by code
   std::size_t points = 0;               ///< delivered
   double voxel_m = 0;
+  CloudSketch cloud;  ///< what the report shows of it
   std::map<FrameId, double>
       finished_s;  ///< wall time at which first something of a photo was fused
 };

@@ -21,6 +21,7 @@
 #include "free_memory.h"
 #include "ground_survey.h"
 #include "judgement.h"
+#include "memory_trace.h"
 #include "output_folder.h"
 #include "photo_store.h"
 #include "playback.h"
@@ -136,7 +137,8 @@ class FlightRun {
     std::vector<SeamDone> done = source_->done();
     source_.reset();  // chains and all that they remember
     Alignment alignment = centre.finish();
-    if (options_.deliver.handover) record_.sparse_pixels = centre.pixelsOf(alignment.points);
+    if (options_.deliver.handover || options_.deliver.html)
+      record_.sparse_pixels = centre.pixelsOf(alignment.points);
     for (std::size_t u = 0; u < done.size(); ++u) {
       UavRecord& uav = record_.uavs.emplace_back();
       uav.name = options_.uavs[u].name;
@@ -149,6 +151,8 @@ class FlightRun {
       uav.online_trajectory = centre.onlineTrajectories()[u];
       uav.camera_before = centre.cameras()[u];
       uav.photo_folder = photo_folders_[u];
+      for (const auto& [id, fix] : centre.fixes())
+        if (id.uav == u) uav.fixes[id.index] = fix;
       if (options_.playback.follow_s > 0 && uav.photos.empty())
         warn(record_, uav.name + ": it has no photo");
     }
@@ -174,9 +178,11 @@ class FlightRun {
   void collect(const DenseSummary& dense) {
     for (const auto& [id, finished] : dense.finished_s) {
       const auto shown = shown_s_.find(id);
-      record_.latencies_s.push_back((shown == shown_s_.end() ? finished : shown->second) -
-                                    photo_times_.of(id).taken_s);
+      const double taken_s = photo_times_.of(id).taken_s;
+      record_.latencies.push_back({id, taken_s - started_s_,
+                                   (shown == shown_s_.end() ? finished : shown->second) - taken_s});
     }
+    record_.cloud = dense.cloud;
     for (const auto& [code, count] : dense.failures)
       logInfo(fmt::format("densify: {} pairs without depth: {}", count, code));
   }
@@ -198,11 +204,13 @@ class FlightRun {
     record_.stages = times_.all();
     record_.peak_rss_mb = peakRssMegabytes();
     record_.wall_s = wallSeconds() - started_s_;
+    record_.memory = memory_.samples();
   }
 
   const RunOptions& options_;
   const FlightRunRequest& request_;
   StageTimes times_;
+  MemoryTrace memory_;
   double started_s_ = 0;
   World world_;
   std::optional<GroundSurvey> survey_;

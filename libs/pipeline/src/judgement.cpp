@@ -35,15 +35,16 @@ void settle(UavRecord& uav, FrameId id, const Alignment& alignment) {
 
 }  // namespace
 
-void warn(RunRecord& record, const std::string& line) {
+void warn(RunRecord& record, const std::string& line, const std::string& advice) {
   logWarning(line);
-  record.warnings.push_back(line);
+  record.warnings.emplace_back(line, advice);
 }
 
 void judge(const Alignment& alignment, RunRecord& record) {
   record.components = alignment.components;
   record.relative_poses = alignment.relative_poses;
   record.sparse_points = alignment.points;
+  record.seam_points = alignment.seam_points;
   for (std::size_t u = 0; u < record.uavs.size(); ++u) {
     UavRecord& uav = record.uavs[u];
     for (std::uint32_t i = 0; i < uav.photos.size(); ++i)

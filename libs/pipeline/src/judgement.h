@@ -9,8 +9,8 @@
 
 namespace cf {
 
-/// Says it, now and in the report.
-void warn(RunRecord& record, const std::string& line);
+/// Says it, now and in the report; there with what can be done about it.
+void warn(RunRecord& record, const std::string& line, const std::string& advice = {});
 
 /// Enters the final map into what is told of the photos and UAVs, and warns of what is wrong with
 /// it.

@@ -35,6 +35,10 @@ void moveMap(const Sim3& S_new_old, Alignment& alignment) {
   for (auto& [uav, bias] : alignment.gnss_bias_m)
     if (photos.count(uav) > 0) bias -= moved.at(uav) / photos.at(uav);
   for (SparsePoint& point : alignment.points) point.position_m = S_new_old * point.position_m;
+  for (SeamPoint& point : alignment.seam_points) {
+    point.position_m = S_new_old * point.position_m;
+    point.difference_m = S_new_old.scale * (S_new_old.rotation * point.difference_m);
+  }
   for (RelativePose& pose : alignment.relative_poses) {
     pose.T_a_b.translation() *= S_new_old.scale;
     pose.sigma.head<3>() *= S_new_old.scale;

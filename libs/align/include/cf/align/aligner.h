@@ -16,6 +16,7 @@
 #include "cf/align/segment_joining.h"
 #include "cf/base/options.h"
 #include "cf/types/pose_table.h"
+#include "cf/types/seam_point.h"
 #include "cf/types/sim3.h"
 
 namespace cf {
@@ -37,6 +38,7 @@ struct Alignment {
   PoseTable table;
   std::vector<SparsePoint> points;
   std::vector<RelativePose> relative_poses;  ///< between UAVs
+  std::vector<SeamPoint> seam_points;        ///< of matches between UAVs (seam_points.h)
   std::map<std::uint16_t, Eigen::Vector3d> gnss_bias_m;
   int components = 0;
   bool relative = false;           ///< no georeference at all

@@ -35,12 +35,13 @@ void writeKml(const RunRecord& run, const std::filesystem::path& outdir);
 void writeCameras(const RunRecord& run, const std::filesystem::path& outdir);
 void writeScale(const RunRecord& run, const std::filesystem::path& outdir);
 void writeGraphs(const RunRecord& run, const std::filesystem::path& outdir);
-/// T_a_b: translation [m] and quaternion, σ of translation [m] and rotation vector [rad], axes of a.
+/// T_a_b: translation [m] and quaternion, σ of translation [m] and rotation vector [rad], axes of
+/// a.
 void writeRelativePoses(const RunRecord& run, const std::filesystem::path& outdir);
 void writeSparsePly(const RunRecord& run, const std::filesystem::path& outdir);
 
 /// The run's warnings and those about its products: what was left out and what heights count from.
-std::vector<std::string> allWarnings(const RunRecord& run);
+std::vector<Warning> allWarnings(const RunRecord& run);
 
 /// All of them that the options do not leave out, the report last. Call it after the snapshots have
 /// been rendered, or write report.html again then.
