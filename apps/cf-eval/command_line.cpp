@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cf/base/error.h"
+#include "cf/evaluate/change.h"
 #include "cf/evaluate/cloud.h"
 #include "cf/evaluate/ground_control.h"
 #include "cf/evaluate/run.h"
@@ -73,6 +74,12 @@ std::string evaluateGroundPoints(const Arguments& arguments) {
   return evaluateGroundControl(arguments.estimate, arguments.reference, options);
 }
 
+std::string evaluateChanges(const Arguments& arguments, ChangeOptions options) {
+  requireExisting(arguments);
+  if (options.outdir.empty()) options.outdir = fs::path(arguments.reference) / "change";
+  return evaluateChange(arguments.estimate, arguments.reference, options);
+}
+
 }  // namespace
 
 int runEval(int argc, char** argv) {
@@ -128,9 +135,34 @@ int runEval(int argc, char** argv) {
       ->expected(2)
       ->check(CLI::PositiveNumber);
 
+  Arguments change;
+  ChangeOptions change_options;
+  auto* change_app = app.add_subcommand(
+      "change", "What has changed between two runs of one place: heights of B minus those of A");
+  change_app->add_option("OUT_A", change.estimate, "output folder of the earlier run")->required();
+  change_app->add_option("OUT_B", change.reference, "output folder of the later run")->required();
+  change_app->add_option("-o", change_options.outdir,
+                         "folder for difference.tif, sigma.tif, significance.tif, change.png and "
+                         "change.json; OUT_B/change by default");
+  change_app
+      ->add_option("--cell", change_options.cell_m,
+                   "side of the rasters' cells [m]; by default that of the finer surface model")
+      ->check(CLI::PositiveNumber);
+  change_app
+      ->add_option("--min-area", change_options.min_area_m2,
+                   "least area of a change that is listed [m2]; 1 by default")
+      ->check(CLI::NonNegativeNumber);
+  change_app
+      ->add_option(
+          "--min-views", change_options.min_views,
+          "stereo pairs that must have seen a surface in either run; 2 by default, so that "
+          "no single bad match counts")
+      ->check(CLI::Range(1, 100));
+
   if (!parseArguments(app, argc, argv)) return 0;
   const std::string figures = trajectory_app->parsed() ? evaluateTrajectories(trajectory)
                               : cloud_app->parsed()    ? evaluateClouds(cloud)
+                              : change_app->parsed()   ? evaluateChanges(change, change_options)
                               : gcp_app->parsed()      ? evaluateGroundPoints(gcp)
                                                        : evaluateWholeRun(run);
   std::printf("%s\n", figures.c_str());

@@ -4,7 +4,7 @@
 
 namespace cf {
 
-/// Parses `cf-eval trajectory|cloud|run|gcp …`, evaluates, prints JSON (or a table) on stdout.
+/// Parses `cf-eval trajectory|cloud|run|gcp|change …`, evaluates, prints JSON (or a table) on stdout.
 int runEval(int argc, char** argv);
 
 }  // namespace cf

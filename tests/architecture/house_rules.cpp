@@ -42,7 +42,7 @@ const std::map<std::string, Lib> kLibs = {
     {"import", {3, {"gdal", "opencv", "tbb"}}},
     {"deliver", {3, {"gdal", "opencv", "mrpt", "json", "tbb"}}},
     {"view", {3, {"mrpt", "opencv", "octomap", "json", "tbb"}}},
-    {"evaluate", {3, {"json", "tbb"}}},
+    {"evaluate", {3, {"opencv", "json", "tbb"}}},
     {"simulate", {3, {"embree", "opencv", "json", "tbb"}}},
     {"pipeline", {4, {"tbb", "opencv", "json"}}},
 };

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "cf/base/error.h"
 #include "random_stream.h"
@@ -66,6 +67,17 @@ GimbalAttitude attitudeOf(const Eigen::Matrix3d& R_world_cam) {
   return a;
 }
 
+Eigen::AlignedBox2d areaFrom(const std::string& text) {
+  double west = 0, south = 0, east = 0, north = 0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf , %lf , %lf , %lf %c", &west, &south, &east, &north, &rest) !=
+          4 ||
+      !(west < east) || !(south < north))
+    throw UsageError("[scene] area = " + text +
+                     ": give the west, south, east and north of it [m], as in -80, -60, 80, 60");
+  return {Eigen::Vector2d(west, south), Eigen::Vector2d(east, north)};
+}
+
 std::vector<PlannedPhoto> photosOf(const SimulationSetup& setup, const SimulatedUavOptions& uav,
                                    const Flight& flight, TimeNs start) {
   RandomStream tags(seedOf(setup, uav, "attitude"));
@@ -118,7 +130,14 @@ Eigen::AlignedBox2d areaOf(const SimulationSetup& setup) {
       area.extend(Eigen::Vector2d(foot.array() + reach));
     }
   }
-  return area;
+  if (setup.scene.area.empty()) return area;
+  const Eigen::AlignedBox2d given = areaFrom(setup.scene.area);
+  if (!given.contains(area))
+    throw UsageError(fmt::format(
+        "[scene] area = {}: the photos may see {:.0f}, {:.0f}, {:.0f}, {:.0f}, which it must hold",
+        setup.scene.area, std::floor(area.min().x()), std::floor(area.min().y()),
+        std::ceil(area.max().x()), std::ceil(area.max().y())));
+  return given;
 }
 
 std::vector<PlannedUav> planCluster(const SimulationSetup& setup, const Scene& scene,

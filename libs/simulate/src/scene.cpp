@@ -10,6 +10,13 @@
 namespace cf {
 
 void SceneOptions::visit(OptionVisitor& v) {
+  v.integer("seed", seed, {0, 2147483647},
+            "of the world: with the same seed and area, the same; 0 = [simulation] seed");
+  v.text("area", area,
+         "W, S, E, N: where the world is made [m]; empty: what the photos may see, by a margin");
+  v.text("changes", changes,
+         "what differs from the world of that seed, comma separated: raze E N (the building "
+         "there), raise E N METRES, build E N WIDTH DEPTH HEIGHT (a hall)");
   v.choice("terrain", terrain, {"flat", "hills"}, "shape of the ground");
   v.number("relief_m", relief_m, {0, 500}, "hills: from the lowest to the highest ground [m]");
   v.number("building_density", building_density, {0, 60}, "buildings per hectare");

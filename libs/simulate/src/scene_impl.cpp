@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "cf/base/error.h"
+#include "scene_changes.h"
 #include "texture_noise.h"
 
 namespace cf {
@@ -32,6 +33,7 @@ TownPlan planAndPlant(const SceneOptions& options, const Eigen::AlignedBox2d& ar
                       std::uint64_t seed) {
   TownPlan plan = planTown(options, halfExtent(area), seed);
   plantTown(options, seed, plan);
+  applyChanges(options.changes, area.center(), plan);
   return plan;
 }
 

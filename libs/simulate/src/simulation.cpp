@@ -53,8 +53,8 @@ SimulationSummary simulate(Config& config, const SimulationRequest& request) {
   const SimulationSetup setup = loadSimulation(config);
   const Eigen::AlignedBox2d area = areaOf(setup);
   const LocalFrame world(setup.origin);
-  const Scene scene(setup.scene, area,
-                    streamSeed(static_cast<std::uint64_t>(setup.simulation.seed), "scene"));
+  const int seed = setup.scene.seed > 0 ? setup.scene.seed : setup.simulation.seed;
+  const Scene scene(setup.scene, area, streamSeed(static_cast<std::uint64_t>(seed), "scene"));
   const std::vector<PlannedUav> uavs = planCluster(setup, scene, world);
 
   clear(request, setup);

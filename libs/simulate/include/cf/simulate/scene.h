@@ -14,6 +14,9 @@ namespace cf {
 
 /// [scene]: what stands in the simulated world. Lengths in metres.
 struct SceneOptions {
+  int seed = 0;                   ///< of the world; 0 = [simulation] seed
+  std::string area;               ///< "W, S, E, N" of the world; empty: what the photos may see
+  std::string changes;            ///< "raze E N, raise E N METRES, build E N WIDTH DEPTH HEIGHT"
   std::string terrain = "hills";  ///< flat | hills
   double relief_m = 8;            ///< from the lowest to the highest ground
   double building_density = 25;   ///< per hectare
