@@ -10,7 +10,7 @@
 namespace cf {
 namespace {
 
-constexpr int kRim = 2;  ///< cells
+constexpr int kRim = 4;  ///< cells
 
 /// +1, -1 or 0 for each cell by its difference over `sigma`.
 cv::Mat signs(const cv::Mat& difference, const cv::Mat& sigma) {

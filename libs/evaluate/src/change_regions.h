@@ -27,7 +27,7 @@ struct ChangeRegions {
 /// Significance from which a difference counts.
 inline constexpr double kSignificant = 3;
 
-/// Cells of significance 3 joined at their sides and corners, and of one sign; cells at most two
+/// Cells of significance 3 joined at their sides and corners, and of one sign; cells at most four
 /// from such ones join them where an edge alone makes their sigma large (the rim of what has
 /// come or gone). Smaller ones than `min_area_m2`, and such with less than half of that without
 /// their rim, do not count.

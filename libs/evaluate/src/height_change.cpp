@@ -25,6 +25,7 @@ constexpr std::size_t kMinCells = 1000;
 constexpr std::size_t kBins = 10;
 constexpr std::size_t kMinBlocks = 12;
 constexpr double kMaxBlock_m = 16;
+constexpr double kLeastFactor = 0.1;  ///< where surfaces are exact
 
 struct Cell {
   int x = 0, y = 0;
@@ -100,7 +101,8 @@ void sample(const RunSurface& a, const RunSurface& b, const SurfaceRegistration&
       change.difference.at<float>(y, x) = static_cast<float>(p.z() - z_a);
       known.variance.at<float>(y, x) = variance;
       known.step2.at<float>(y, x) = step_a * step_a + step_b * step_b;
-      const bool edge = isEdge(step_a, a.cell()) || isEdge(step_b, b.cell());
+      const bool edge = a.edge.at<uchar>(cell_a->y, cell_a->x) != 0 ||
+                        b.edge.at<uchar>(cell_b->y, cell_b->x) != 0;
       known.edge.at<uchar>(y, x) = edge ? 1 : 0;
       const Eigen::Vector2d slope =
           edge ? Eigen::Vector2d(0, 0) : slopeAt(a.heights.heights, *cell_a, a.cell());
@@ -241,12 +243,13 @@ HeightChange heightChange(const RunSurface& a, const RunSurface& b, const Surfac
           static_cast<float>(std::sqrt(smooth + static_cast<double>(at(known.step2, c))));
     }
   });
-  // The whole is brought to the spread that stable ground shows.
+  // The whole is brought to what stable ground shows: 95 % of it within 1.96 sigma.
   std::vector<double> normalised;
   for (const Cell c : stable)
     normalised.push_back(static_cast<double>(at(change.difference, c) / at(change.sigma, c)));
-  change.noise.factor = nmad(normalised);
-  if (!(change.noise.factor > 0)) change.noise.factor = 1;
+  std::vector<double> magnitudes;
+  for (const double z : normalised) magnitudes.push_back(std::abs(z));
+  change.noise.factor = std::max(kLeastFactor, quantile(std::move(magnitudes), 0.95) / 1.96);
   change.sigma *= change.noise.factor;
   change.smooth_sigma *= change.noise.factor;
   const auto beyond = [&](double limit) {

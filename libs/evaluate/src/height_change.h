@@ -23,7 +23,7 @@ struct HeightChange {
   struct Noise {
     double constant_m = 0;      ///< in every cell, whatever its confidence
     double per_confidence = 0;  ///< times sqrt(1 / confidence of A + 1 / confidence of B)
-    double factor = 1;          ///< that everything was brought to the spread seen with
+    double factor = 1;          ///< that brought 95 % of stable ground within 1.96 sigma
   } noise;
   /// Of the differences of cells without an edge within three NMAD of 0.
   struct Stable {

@@ -8,11 +8,14 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
+#include <utility>
+#include <vector>
 
 #include "cf/base/error.h"
 #include "cf/formats/float_raster.h"
 #include "cf/formats/tile_store.h"
 #include "cf/geodesy/grid_frame.h"
+#include "statistics.h"
 #include "world_origin.h"
 
 namespace cf {
@@ -21,13 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr float kEdgeShare = 0.5F, kSlopeShare = 0.125F;
-constexpr int kReach = 2;             ///< cells: of an edge
+constexpr int kReach = 2, kBend = 4;  ///< cells: of edges, and of what matching rounds off
 constexpr double kThickness = 3;      ///< cells: points that make a cell's height
 constexpr int kNeighboursNeeded = 3;  ///< of 3 x 3 cells, measured
-
-/// Least range of heights over 5 x 5 cells that only an edge makes.
-float edgeRange(double cell_m) { return static_cast<float>(2 * kReach * std::sqrt(2.0) * cell_m); }
 
 /// Sum of the confidences of the points at the surface of each cell that so many views saw.
 cv::Mat confidenceOf(const fs::path& out_dir, const HeightGrid& dsm, const GridFrame& grid,
@@ -75,25 +74,57 @@ cv::Mat varianceOf(const cv::Mat& confidence, const cv::Mat& heights) {
   return variance;
 }
 
-cv::Mat stepOf(const cv::Mat& heights, double cell_m) {
-  cv::Mat step(heights.size(), CV_32FC1, cv::Scalar(kNone));
-  const float edge = edgeRange(cell_m);
+/// Least and greatest height over 5 x 5 cells.
+std::pair<float, float> rangeAround(const cv::Mat& heights, int x, int y) {
+  float low = std::numeric_limits<float>::max(), high = -low;
+  for (int v = std::max(0, y - kReach); v <= std::min(heights.rows - 1, y + kReach); ++v)
+    for (int u = std::max(0, x - kReach); u <= std::min(heights.cols - 1, x + kReach); ++u) {
+      const float z = heights.at<float>(v, u);
+      if (std::isnan(z)) continue;
+      low = std::min(low, z);
+      high = std::max(high, z);
+    }
+  return {low, high};
+}
+
+/// How far a height is from the mean of those to both sides, in the worst direction.
+float bendAt(const cv::Mat& heights, int x, int y) {
+  const cv::Rect all({0, 0}, heights.size());
+  float bend = 0;
+  for (const cv::Point d : {cv::Point(kBend, 0), cv::Point(0, kBend), cv::Point(kBend, kBend),
+                            cv::Point(kBend, -kBend)}) {
+    const cv::Point here(x, y);
+    if (!all.contains(here + d) || !all.contains(here - d)) continue;
+    const float mean = (heights.at<float>(here + d) + heights.at<float>(here - d)) / 2;
+    if (!std::isnan(mean)) bend = std::max(bend, std::abs(mean - heights.at<float>(here)));
+  }
+  return bend;
+}
+
+void findSteps(RunSurface& s) {
+  const cv::Mat& heights = s.heights.heights;
+  s.step = cv::Mat(heights.size(), CV_32FC1, cv::Scalar(kNone));
+  s.edge = cv::Mat::zeros(heights.size(), CV_8UC1);
+  const auto slope = static_cast<float>(std::sqrt(2.0) * s.cell());  // of 45 degrees, diagonally
   tbb::parallel_for(0, heights.rows, [&](int y) {
     for (int x = 0; x < heights.cols; ++x) {
       if (std::isnan(heights.at<float>(y, x))) continue;
-      float low = std::numeric_limits<float>::max(), high = -low;
-      for (int v = std::max(0, y - kReach); v <= std::min(heights.rows - 1, y + kReach); ++v)
-        for (int u = std::max(0, x - kReach); u <= std::min(heights.cols - 1, x + kReach); ++u) {
-          const float z = heights.at<float>(v, u);
-          if (std::isnan(z)) continue;
-          low = std::min(low, z);
-          high = std::max(high, z);
-        }
-      const float range = high - low;
-      step.at<float>(y, x) = (range > edge ? kEdgeShare : kSlopeShare) * range;
+      const auto [low, high] = rangeAround(heights, x, y);
+      const float range = high - low, bend = bendAt(heights, x, y);
+      const bool edge = range > 2 * kReach * slope;
+      s.edge.at<uchar>(y, x) = edge || bend > kBend * slope ? 1 : 0;
+      s.step.at<float>(y, x) = edge ? range / 2 : std::hypot(range / 8, bend / 2);
     }
   });
-  return step;
+  std::vector<double> usual;
+  for (int y = 0; y < heights.rows; ++y)
+    for (int x = 0; x < heights.cols; ++x)
+      if (!std::isnan(s.step.at<float>(y, x)) && s.edge.at<uchar>(y, x) == 0)
+        usual.push_back(static_cast<double>(s.step.at<float>(y, x)));
+  if (usual.empty()) return;
+  const auto noise = static_cast<float>(median(std::move(usual)));
+  for (auto step = s.step.begin<float>(); step != s.step.end<float>(); ++step)
+    *step = std::sqrt(std::max(0.F, *step * *step - noise * noise));
 }
 
 /// Means of blocks of n x n values; none where fewer than half have one.
@@ -117,8 +148,6 @@ cv::Mat blockMeans(const cv::Mat& values, int n) {
 
 }  // namespace
 
-bool isEdge(float step_m, double cell_m) { return step_m > kEdgeShare * edgeRange(cell_m); }
-
 RunSurface readRunSurface(const fs::path& out_dir, int min_views) {
   const fs::path file = out_dir / "dsm.tif";
   const auto world = worldFrameOf(out_dir);
@@ -140,7 +169,7 @@ RunSurface readRunSurface(const fs::path& out_dir, int min_views) {
   const GridFrame grid(*world, HeightDatum::kUnknown);
   surface.variance =
       varianceOf(confidenceOf(out_dir, surface.heights, grid, min_views), raster.values);
-  surface.step = stepOf(raster.values, surface.cell());
+  findSteps(surface);
   return surface;
 }
 
@@ -151,7 +180,7 @@ RunSurface averaged(const RunSurface& surface, double cell_m) {
   coarse.heights.spacing_m *= n;
   coarse.heights.heights = blockMeans(surface.heights.heights, n);
   coarse.variance = blockMeans(surface.variance, n) / (n * n);
-  coarse.step = stepOf(coarse.heights.heights, coarse.cell());
+  findSteps(coarse);
   return coarse;
 }
 

@@ -17,10 +17,13 @@ struct RunSurface {
   /// of the cloud's points there, mean over 3 x 3 cells. CV_32FC1; NaN where too few views saw the
   /// surface (holes that the surface model bridges among them).
   cv::Mat variance;
-  /// [m] what a place that is off by half a cell, or beside an edge by two, does to the height:
-  /// an eighth of the range over 5 x 5 cells, half of it where that is an edge (more than a slope
-  /// of 45 degrees makes). CV_32FC1.
+  /// [m] what surfaces that bend do to the height, CV_32FC1. On slopes an eighth of the range over
+  /// 5 x 5 cells (a place off by half a cell), and half of what the height differs by from the mean
+  /// of those four cells to both sides, in the direction where that is most (matching rounds
+  /// ridges off). Beside an edge half that range. Less, squared, what is usual in this surface: its
+  /// noise.
   cv::Mat step;
+  cv::Mat edge;  ///< CV_8UC1: 1 where an edge is near: heights differ as on slopes above 45 degrees
   std::string crs, height_datum;
 
   double west() const { return heights.west_m; }
@@ -33,8 +36,5 @@ struct RunSurface {
 RunSurface readRunSurface(const std::filesystem::path& out_dir, int min_views);
 /// Means over as many cells as fit into `cell_m`.
 RunSurface averaged(const RunSurface& surface, double cell_m);
-
-/// Whether `step` of a cell is that of an edge.
-bool isEdge(float step_m, double cell_m);
 
 }  // namespace cf
