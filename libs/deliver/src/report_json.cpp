@@ -39,6 +39,20 @@ Json uavJson(const UavRecord& uav) {
   return out;
 }
 
+Json checkJson(const SelfCheck& check) {
+  Json out;
+  out["name"] = check.name;
+  out["value"] = check.value ? finite(*check.value) : Json(nullptr);
+  out["unit"] = check.unit;
+  out["grade"] = name(check.grade);
+  out["limits"] = {{"green", finite(check.green)},
+                   {"amber", finite(check.amber)},
+                   {"more_is_better", check.more_is_better}};
+  out["finding"] = check.finding;
+  out["advice"] = check.advice;
+  return out;
+}
+
 std::string text(const Json& json) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -93,6 +107,8 @@ void writeReportJson(const RunRecord& run, const std::filesystem::path& outdir) 
   for (const auto& uav : run.uavs) report["uavs"][uav.name] = uavJson(uav);
   report["relative_poses"] = run.relative_poses.size();
   if (run.ground_control) report["ground_control"] = groundControlJson(*run.ground_control);
+  report["self_check"] = Json::array();
+  for (const SelfCheck& check : run.self_check) report["self_check"].push_back(checkJson(check));
   report["warnings"] = Json::array();
   for (const Warning& warning : allWarnings(run)) report["warnings"].push_back(warning.text);
   writeFileAtomically(outPath(outdir, "", "report.json"), text(report));

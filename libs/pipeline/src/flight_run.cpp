@@ -183,6 +183,7 @@ class FlightRun {
                                    (shown == shown_s_.end() ? finished : shown->second) - taken_s});
     }
     record_.cloud = dense.cloud;
+    record_.self_check = selfCheck(record_);
     for (const auto& [code, count] : dense.failures)
       logInfo(fmt::format("densify: {} pairs without depth: {}", count, code));
   }

@@ -16,6 +16,7 @@
 #include "cf/base/time.h"
 #include "cf/deliver/cloud_sketch.h"
 #include "cf/deliver/ground_control_record.h"
+#include "cf/deliver/self_check.h"
 #include "cf/types/camera_model.h"
 #include "cf/types/gnss_fix.h"
 #include "cf/types/keyframe.h"
@@ -111,6 +112,7 @@ struct RunRecord {
   double peak_rss_mb = 0;
   int components = 0;                                 ///< groups of photos joined by matches
   std::optional<GroundControlRecord> ground_control;  ///< none: no list was given
+  std::vector<SelfCheck> self_check;                  ///< selfCheck() of all this
   std::vector<Warning> warnings;
 };
 
