@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 ClusterFusion authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# cf_library(NAME SOURCES … [PUBLIC …] [PRIVATE …])   target cf_NAME, alias cf::NAME
+# cf_library(NAME SOURCES … [PUBLIC …] [PRIVATE …])   target cf_NAME, alias cf::NAME, installed so
 # cf_application(NAME SOURCES … LINKS …)              executable NAME
 # cf_test(LIB/FILE [LINKS …])                         tests/LIB/FILE_test.cpp as CTest LIB/FILE
 
@@ -26,8 +26,16 @@ function(cf_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(cf_${name} STATIC ${ARG_SOURCES})
   add_library(cf::${name} ALIAS cf_${name})
-  target_include_directories(cf_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/include)
-  target_link_libraries(cf_${name} PUBLIC ${ARG_PUBLIC} PRIVATE cf_compile_options ${ARG_PRIVATE})
+  target_include_directories(cf_${name} PUBLIC
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/clusterfusion>)
+  target_link_libraries(cf_${name}
+    PUBLIC ${ARG_PUBLIC}
+    PRIVATE $<BUILD_INTERFACE:cf_compile_options> ${ARG_PRIVATE})
+  set_target_properties(cf_${name} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS cf_${name} EXPORT clusterfusionTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/clusterfusion COMPONENT dev)
 endfunction()
 
 function(cf_application name)
@@ -36,6 +44,7 @@ function(cf_application name)
   target_link_libraries(${name} PRIVATE cf_compile_options ${ARG_LINKS})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/apps)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 endfunction()
 
 function(cf_test name)

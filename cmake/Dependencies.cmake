@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Every outside library in one place, as imported targets (headers are SYSTEM: their warnings are theirs).
+# It is installed too: clusterfusionConfig.cmake finds by it what the libraries link to.
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.3 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(TBB REQUIRED)
-find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(GDAL REQUIRED)
@@ -22,23 +22,23 @@ find_package(embree 3.13 REQUIRED)
 
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d flann)
 # OpenCV, PCL, GeographicLib and OctoMap export variables or plain targets: one imported target each.
-add_library(cf_opencv INTERFACE)
+add_library(cf_opencv INTERFACE IMPORTED GLOBAL)
 target_link_libraries(cf_opencv INTERFACE ${OpenCV_LIBS})
 target_include_directories(cf_opencv SYSTEM INTERFACE ${OpenCV_INCLUDE_DIRS})
 
 list(APPEND CMAKE_MODULE_PATH /usr/share/cmake/geographiclib)
 find_package(GeographicLib REQUIRED)
-add_library(cf_geographiclib INTERFACE)
+add_library(cf_geographiclib INTERFACE IMPORTED GLOBAL)
 target_link_libraries(cf_geographiclib INTERFACE ${GeographicLib_LIBRARIES})
 target_include_directories(cf_geographiclib SYSTEM INTERFACE ${GeographicLib_INCLUDE_DIRS})
 
 # `io` would drag in VTK; common, kdtree and filters do not.
 find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree filters)
-add_library(cf_pcl INTERFACE)
+add_library(cf_pcl INTERFACE IMPORTED GLOBAL)
 target_link_libraries(cf_pcl INTERFACE ${PCL_LIBRARIES})
 target_include_directories(cf_pcl SYSTEM INTERFACE ${PCL_INCLUDE_DIRS})
 
-add_library(cf_octomap INTERFACE)
+add_library(cf_octomap INTERFACE IMPORTED GLOBAL)
 target_link_libraries(cf_octomap INTERFACE ${OCTOMAP_LIBRARIES})
 target_include_directories(cf_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
 
@@ -47,13 +47,6 @@ find_package(JPEG REQUIRED)
 
 find_path(CF_ZSTD_INCLUDE_DIR zstd.h REQUIRED)
 find_library(CF_ZSTD_LIBRARY zstd REQUIRED)
-add_library(cf_zstd INTERFACE)
+add_library(cf_zstd INTERFACE IMPORTED GLOBAL)
 target_link_libraries(cf_zstd INTERFACE ${CF_ZSTD_LIBRARY})
 target_include_directories(cf_zstd SYSTEM INTERFACE ${CF_ZSTD_INCLUDE_DIR})
-
-if(CF_BUILD_TESTS)
-  find_package(GTest REQUIRED)
-endif()
-if(CF_BUILD_BENCHMARKS)
-  find_package(benchmark REQUIRED)
-endif()
