@@ -13,7 +13,7 @@ Installs what is missing, builds, and runs the main job: a configuration, or fol
 UAV each), or, without either, the demo in rawlogs/ with config.ini.
 
   cf-import options  --split N|strips  --geo FILE  --camera FILE  --sigma H,V
-  cf-run options     -o OUTDIR  -s section.key=value  -w
+  cf-run options     -o OUTDIR  -s section.key=value  -w  --resume
 
 Photos are imported into ./imported/NAME, NAME being the first folder's. Without -o the results lie
 beside the configuration, in results/.
@@ -27,6 +27,7 @@ fail() {
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 config=
+outdir=
 photos=()
 import_options=()
 run_options=()
@@ -42,12 +43,19 @@ while [ $# -gt 0 ]; do
       shift
       ;;
     --split=* | --geo=* | --camera=* | --sigma=*) import_options+=("$1") ;;
-    -o | -s)
+    -o | --output | -s | --set | --role | --uav | --seam)
       [ $# -ge 2 ] || fail "$1 needs a value"
       run_options+=("$1" "$2")
+      [[ $1 != -o && $1 != --output ]] || outdir=$2
       shift
       ;;
-    -*) run_options+=("$1") ;;
+    -*)
+      run_options+=("$1")
+      case $1 in
+        --output=*) outdir=${1#*=} ;;
+        -o?*) outdir=${1#-o} ;;
+      esac
+      ;;
     *.ini)
       [ -z "$config" ] || fail "one configuration at a time: $config or $1"
       config=$1
@@ -65,7 +73,7 @@ if [ -n "$config" ]; then
   [ -f "$config" ] || fail "$config: no such configuration file"
 elif [ ${#photos[@]} -eq 0 ]; then
   config=$root/config.ini
-  [[ " ${run_options[*]} " == *" -o "* ]] || run_options+=(-w) # of the demo's own results
+  [ -n "$outdir" ] || run_options+=(-w) # of the demo's own results
 fi
 [ ${#photos[@]} -gt 0 ] || [ ${#import_options[@]} -eq 0 ] ||
   fail "${import_options[0]} is for folders of photos, and none was given"
@@ -86,10 +94,7 @@ fi
 "$root/build/bin/cf-run" "$config" "${run_options[@]}"
 
 # Where to look: the folder is that of -o, else results/ beside the configuration.
-outdir=$(dirname "$config")/results
-for ((i = 0; i < ${#run_options[@]}; i++)); do
-  [ "${run_options[i]}" != -o ] || outdir=${run_options[i + 1]}
-done
+outdir=${outdir:-$(dirname "$config")/results}
 for result in report.html snapshots/top.png snapshots/iso.png cloud/cloud.ply; do
   [ ! -e "$outdir/$result" ] || echo "see   $outdir/$result"
 done

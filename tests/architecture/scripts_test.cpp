@@ -38,6 +38,7 @@ TEST(RunScript, namesWhatIsWrongWithItsArguments) {
   expectUsageError("a.ini b.ini", "one configuration at a time: a.ini or b.ini");
   expectUsageError("/tmp nowhere.ini", "give a configuration or folders of photos, not both");
   expectUsageError("/tmp --split", "--split needs a value");
+  expectUsageError("--output", "--output needs a value");
 }
 
 TEST(RunScript, helps) {
