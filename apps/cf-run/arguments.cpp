@@ -26,9 +26,8 @@ void takeRole(const std::string& role, const std::string& uav, const std::string
     return;
   }
   if (uav.empty()) refuse("--role agent needs --uav NAME");
-  if (!outdir.empty() || arguments.request.resume)
-    refuse("--role agent writes into --seam only: -o and --resume are for the central node");
-  arguments.agent = {uav, seam, arguments.request.overwrite};
+  if (!outdir.empty()) refuse("--role agent writes into --seam only: -o is for the central node");
+  arguments.agent = {uav, seam, arguments.request.overwrite, arguments.request.resume};
 }
 
 }  // namespace

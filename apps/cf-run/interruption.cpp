@@ -38,9 +38,8 @@ void sayWhatAnInterruptionKeeps(const RunArguments& arguments) {
   lines.nothing = begin + "nothing was written yet\n";
   if (arguments.agent) {
     lines.folder = (arguments.agent->seam / (arguments.agent->uav + ".seam")).string();
-    lines.kept = fmt::format(
-        "{}{} keeps what was sent, the central node can make a map of it; -w begins it anew\n",
-        begin, lines.folder);
+    lines.kept = fmt::format("{}{} keeps what was sent; the same command with --resume goes on\n",
+                             begin, lines.folder);
   } else {
     lines.folder = workFolder(arguments.request.outdir).string();
     lines.kept = fmt::format("{}{} keeps what was done; the same command with --resume goes on\n",

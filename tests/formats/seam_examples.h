@@ -103,8 +103,9 @@ inline GeoSegment grownSegment(const GeoSegment& before, std::mt19937& random) {
 
 inline GnssQuality someQuality() { return {{0.5, 0.25, 1.5}, {-0.0, 3, -17}, 44, 3, true}; }
 
-inline ChainStep someStep(std::size_t features, std::mt19937& random) {
-  ChainStep step;
+inline SeamStep someStep(std::size_t features, std::mt19937& random) {
+  SeamStep message;
+  ChainStep& step = message.step;
   step.uav = 2;
   step.keyframes = {someKeyframe({2, 70'000}, features, random),
                     someKeyframe({2, 70'001}, 1, random)};
@@ -119,15 +120,17 @@ inline ChainStep someStep(std::size_t features, std::mt19937& random) {
   step.gnss = someQuality();
   step.newest = ChainStep::Newest{{2, 70'002}, 3, someIsometry(random), someIsometry(random)};
   step.jpeg = std::string("\xFF\xD8\0jpeg", 7);
-  return step;
+  message.next_from = -2;
+  message.photo = {"b \xFF.jpg", -1, someCamera()};
+  return message;
 }
 
 inline SeamHello someHello() {
   SeamHello hello;
   hello.uav = 2;
   hello.name = "north \xFF";
-  hello.camera = someCamera();
-  hello.photos = {{"a.jpg", 1'466'699'519'123'456'789}, {"b.jpg", -1}};
+  hello.photos = 70'003;
+  hello.next_from = 1'466'699'519'123'456'789;
   hello.first_fix = GnssFix{77, 51.5, -0.125, 102.5, {1, 2, 3}, HeightDatum::kMsl};
   hello.origin = {51.25, -0.0, 1e-310};
   hello.warnings = {"broken \xFF", ""};
@@ -145,6 +148,7 @@ inline SeamDone someDone() {
   done.gnss = someQuality();
   done.segments = 2;
   done.pose_graph = std::string("VERTEX\0 1\n", 10);
+  done.warnings = {"it breaks off", ""};
   return done;
 }
 
@@ -213,9 +217,10 @@ class Bits {
     (*this)(s.uav, s.keyframes, s.segments != nullptr, s.gnss, s.newest, s.jpeg);
     if (s.segments) add(*s.segments);
   }
-  void add(const SeamHello::Photo& p) { (*this)(p.name, p.time); }
+  void add(const SeamStep::Photo& p) { (*this)(p.name, p.time, p.camera); }
+  void add(const SeamStep& s) { (*this)(s.step, s.photo, s.next_from); }
   void add(const SeamHello& h) {
-    (*this)(h.uav, h.name, h.camera, h.photos, h.first_fix, h.origin, h.warnings);
+    (*this)(h.uav, h.name, h.photos, h.first_fix, h.origin, h.warnings, h.next_from);
   }
   void add(const PhotoRecord& p) {
     (*this)(p.name, p.time, p.status, p.segment, p.keypoints, p.matches, p.inliers, p.reason);
@@ -223,7 +228,8 @@ class Bits {
   void add(const PhotoPose& p) { (*this)(p.photo, p.T_world_cam); }
   void add(const ScaleRow& r) { (*this)(r.t, r.segment, r.scale, r.sigma); }
   void add(const SeamDone& d) {
-    (*this)(d.uav, d.photos, d.local_trajectory, d.scale_history, d.gnss, d.segments, d.pose_graph);
+    (*this)(d.uav, d.photos, d.local_trajectory, d.scale_history, d.gnss, d.segments, d.pose_graph,
+            d.warnings);
   }
   void add(const SeamMessage& m) {
     add(m.index());

@@ -23,12 +23,12 @@ class SeamFile : public ::testing::Test {
     messages_.push_back(support::someHello());
     for (std::uint32_t photo = 0; photo < 2; ++photo) {
       segment = support::grownSegment(segment, random);
-      ChainStep step;
-      step.uav = 2;
-      step.keyframes = {support::someKeyframe({2, photo}, 1, random)};
-      step.segments = std::make_shared<std::vector<GeoSegment>>(1, segment);
-      step.jpeg = "jpeg";
-      messages_.push_back(step);
+      SeamStep message;
+      message.step.uav = 2;
+      message.step.keyframes = {support::someKeyframe({2, photo}, 1, random)};
+      message.step.segments = std::make_shared<std::vector<GeoSegment>>(1, segment);
+      message.step.jpeg = "jpeg";
+      messages_.push_back(message);
     }
     messages_.push_back(support::someDone());
     SeamWriter writer(file_);
@@ -89,6 +89,32 @@ TEST_F(SeamFile, eachMessageIsThereWhenWritten) {
     EXPECT_EQ(readAll(reader, k), k + 1);
   }
   EXPECT_TRUE(reader.ended());
+}
+
+TEST_F(SeamFile, cutAnywhereAWriterGoesOnWithIt) {
+  for (std::size_t size = 0; size <= bytes_.size(); size += size + 50 < bytes_.size() ? 13 : 1) {
+    write(bytes_.substr(0, size));
+    SeamWriter writer = SeamWriter::goOn(file_);
+    for (const SeamMessage& message : messages_) writer.write(message);
+    ASSERT_EQ(writer.bytes(), bytes_.size()) << size;
+    ASSERT_TRUE(support::fileText(file_) == bytes_) << size;
+  }
+}
+
+TEST_F(SeamFile, whatDoesNotGoOnWithItIsRefused) {
+  write(bytes_.substr(0, ends_[2]));
+  SeamWriter writer = SeamWriter::goOn(file_);
+  SeamHello hello = support::someHello();
+  hello.photos.reset();  // as it was known then
+  hello.warnings = {"another"};
+  writer.write(hello);
+  writer.write(messages_[1]);
+  EXPECT_THROW(writer.write(messages_[1]), RunError);
+  EXPECT_THROW(writer.write(messages_[3]), RunError);
+  SeamWriter of_another = SeamWriter::goOn(file_);
+  hello.name = "south";
+  EXPECT_THROW(of_another.write(hello), RunError);
+  EXPECT_TRUE(support::fileText(file_) == bytes_.substr(0, ends_[2]));
 }
 
 TEST_F(SeamFile, cutAnywhereItGivesWhatIsWholeAndWaits) {

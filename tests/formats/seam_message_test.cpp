@@ -36,24 +36,32 @@ TEST(SeamMessage, keepsWhatIsNotThere) {
   std::mt19937 random(1);
   EXPECT_TRUE(survives(SeamHello{}));
   EXPECT_TRUE(survives(SeamDone{}));
-  EXPECT_TRUE(survives(ChainStep{}));
-  ChainStep step = someStep(0, random);
+  EXPECT_TRUE(survives(SeamStep{}));
+  SeamStep message = someStep(0, random);
+  ChainStep& step = message.step;
   auto bare = std::make_shared<Keyframe>(*step.keyframes[0].keyframe);
   bare->attitude.reset();
   bare->height_above_ground_m.reset();
   step.keyframes[0] = {bare, {}};
   step.segments = std::make_shared<std::vector<GeoSegment>>();
   step.newest->T_world_cam.reset();
-  EXPECT_TRUE(survives(step));
+  EXPECT_TRUE(survives(message));
+  message.photo.reset();
+  EXPECT_TRUE(survives(message));
+  SeamHello hello = someHello();
+  hello.photos.reset();
+  EXPECT_TRUE(survives(hello));
+  hello.photos = 0;
+  EXPECT_TRUE(survives(hello));
 }
 
 TEST(SeamMessage, differencesAreSeenByTheComparison) {
   std::mt19937 random(1);
-  const ChainStep step = someStep(5, random);
-  ChainStep other = step;
-  auto segments = *step.segments;
+  const SeamStep step = someStep(5, random);
+  SeamStep other = step;
+  auto segments = *step.step.segments;
   segments.back().poses.back().covariance(5, 4) += 1e-16;
-  other.segments = std::make_shared<std::vector<GeoSegment>>(segments);
+  other.step.segments = std::make_shared<std::vector<GeoSegment>>(segments);
   EXPECT_FALSE(same(SeamMessage(step), SeamMessage(other)));
 }
 
@@ -66,9 +74,9 @@ TEST(SeamMessage, segmentsCrossAsFarAsTheyHaveChanged) {
   for (int step = 0; step < 100; ++step) {
     segment = grownSegment(segment, random);
     if (step == 60) segment.poses.erase(segment.poses.begin() + 20, segment.poses.end());
-    ChainStep message;
+    SeamStep message;
     if (step % 10 != 5)  // a damaged photo tells nothing of segments
-      message.segments = std::make_shared<std::vector<GeoSegment>>(1, segment);
+      message.step.segments = std::make_shared<std::vector<GeoSegment>>(1, segment);
     const std::string bytes = encoder.encode(message);
     const auto back = decoder.decode(bytes);
     ASSERT_TRUE(back) << step << ": " << back.failure().detail;
@@ -83,10 +91,10 @@ TEST(SeamMessage, aStepWithoutTheOneBeforeIsRefused) {
   SeamEncoder encoder;
   const GeoSegment three = grownSegment(grownSegment(grownSegment({}, random), random), random);
   const GeoSegment four = grownSegment(three, random);
-  ChainStep message;
-  message.segments = std::make_shared<std::vector<GeoSegment>>(1, three);
+  SeamStep message;
+  message.step.segments = std::make_shared<std::vector<GeoSegment>>(1, three);
   const std::string first = encoder.encode(message);
-  message.segments = std::make_shared<std::vector<GeoSegment>>(1, four);
+  message.step.segments = std::make_shared<std::vector<GeoSegment>>(1, four);
   const std::string second = encoder.encode(message);
   EXPECT_FALSE(decodeSeamMessage(second));
   SeamDecoder decoder;
@@ -101,28 +109,28 @@ TEST(SeamMessage, aSegmentNamedAgainAndAgainBringsItsPosesOnce) {
   const GeoSegment segment = grownSegment({}, random);
   SeamEncoder encoder;
   SeamDecoder decoder;
-  ChainStep message;
-  message.segments = std::make_shared<std::vector<GeoSegment>>(1, segment);
+  SeamStep message;
+  message.step.segments = std::make_shared<std::vector<GeoSegment>>(1, segment);
   EXPECT_TRUE(decoder.decode(encoder.encode(message)));
-  message.segments = std::make_shared<std::vector<GeoSegment>>(5, segment);
+  message.step.segments = std::make_shared<std::vector<GeoSegment>>(5, segment);
   EXPECT_FALSE(decoder.decode(encoder.encode(message)));
 }
 
 TEST(SeamMessage, aKeyframeOf2000FeaturesIsWithinTheBudget) {
   std::mt19937 random(1);
-  ChainStep step;
-  step.keyframes = {someKeyframe({0, 1}, 2000, random)};
-  EXPECT_LE(SeamEncoder().encode(step).size(), 300'000U);
+  SeamStep message;
+  message.step.keyframes = {someKeyframe({0, 1}, 2000, random)};
+  EXPECT_LE(SeamEncoder().encode(message).size(), 300'000U);
 }
 
 TEST(SeamMessage, featuresThatAreNotEquallyManyAreRefused) {
   std::mt19937 random(1);
-  ChainStep step;
-  step.keyframes = {someKeyframe({0, 1}, 20, random)};
-  auto keyframe = std::make_shared<Keyframe>(*step.keyframes[0].keyframe);
+  SeamStep message;
+  message.step.keyframes = {someKeyframe({0, 1}, 20, random)};
+  auto keyframe = std::make_shared<Keyframe>(*message.step.keyframes[0].keyframe);
   keyframe->chain.pop_back();
-  step.keyframes[0].keyframe = keyframe;
-  EXPECT_THROW(SeamEncoder().encode(step), RunError);
+  message.step.keyframes[0].keyframe = keyframe;
+  EXPECT_THROW(SeamEncoder().encode(message), RunError);
 }
 
 TEST(SeamMessage, otherBytesAreRefused) {
@@ -130,8 +138,8 @@ TEST(SeamMessage, otherBytesAreRefused) {
   EXPECT_EQ(decodeSeamMessage("").failure().code, "damaged");
   EXPECT_EQ(decodeSeamMessage("not a message").failure().code, "damaged");
   std::string hello = SeamEncoder().encode(someHello());
-  const std::size_t protocol = hello.find("\x08\x02");
-  hello[protocol + 1] = 1;
+  const std::size_t protocol = hello.find("\x08\x03");
+  hello[protocol + 1] = 2;
   EXPECT_EQ(decodeSeamMessage(hello).failure().code, "version");
 }
 

@@ -14,7 +14,7 @@ class TwoUavs : public StepSource {
   explicit TwoUavs(bool follows) : follows_(follows) {
     hellos_.resize(2);
     hellos_[0].name = "north";
-    hellos_[0].photos.resize(3);
+    if (!follows) hellos_[0].photos = 3;
     hellos_[1].uav = 1;
     hellos_[1].name = "s";
   }

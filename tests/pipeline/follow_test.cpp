@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
 #include <thread>
 
+#include "cf/formats/seam_file.h"
 #include "support/process.h"
 #include "support/synthetic_flight.h"
 #include "support/temp_folder.h"
@@ -33,11 +35,12 @@ class FollowedFlight : public ::testing::Test {
     fs::copy(config_, live_ / "config.ini");
   }
 
+  /// Without an output folder: an agent's.
   CommandResult run(const fs::path& config, const std::string& outdir,
                     const std::string& flags) const {
-    return support::runCommand("'" CF_BIN_DIR "/cf-run' '" + config.string() + "' -o '" +
-                               (folder_ / outdir).string() +
-                               "' -s view.snapshots=false -s densify.megapixels=0.1 " + flags);
+    return support::runCommand("'" CF_BIN_DIR "/cf-run' '" + config.string() + "'" +
+                               (outdir.empty() ? "" : " -o '" + (folder_ / outdir).string() + "'") +
+                               " -s view.snapshots=false -s densify.megapixels=0.1 " + flags);
   }
   /// What is not there yet is waited for as long as it takes.
   CommandResult follow(const std::string& outdir, const std::string& flags = {}) const {
@@ -122,6 +125,97 @@ TEST_F(FollowedFlight, GivesWhatTheCompleteRawlogsGive) {
   EXPECT_EQ(out["warnings"].dump().find("rawlog"), std::string::npos) << out["warnings"];
 }
 
+/// Agents follow their rawlogs, the central node their files, all at once; northA's agent is killed
+/// on its way and goes on.
+TEST_F(FollowedFlight, AgentsThatFollowAndACentralNodeGiveWhatOneProcessGives) {
+  const std::string shared = "-s 'world.origin=47, -92, 150' ";
+  ASSERT_EQ(run(config_, "whole", shared).status, 0);
+  const std::string seam = (folder_ / "seam").string();
+  const auto settings = [&](const std::string& role) {
+    return std::vector<std::string>{CF_BIN_DIR "/cf-run",
+                                    (live_ / "config.ini").string(),
+                                    "--role",
+                                    role,
+                                    "--seam",
+                                    seam,
+                                    "-s",
+                                    "world.origin=47, -92, 150",
+                                    "-s",
+                                    "view.snapshots=false",
+                                    "-s",
+                                    "densify.megapixels=0.1",
+                                    "-s",
+                                    "playback.follow_s=600",
+                                    "-s",
+                                    "playback.hold_up_s=600"};
+  };
+  const auto agent = [&](const std::string& uav, const std::string& more = {}) {
+    std::vector<std::string> command = settings("agent");
+    command.insert(command.end(), {"--uav", uav});
+    if (!more.empty()) command.push_back(more);
+    return command;
+  };
+  std::vector<std::string> central = settings("central");
+  central.insert(central.end(), {"-o", (folder_ / "out").string()});
+  support::Process centre(central, folder_ / "centre.log");
+  support::Process north_b(agent("northB"), folder_ / "northB.log");
+  support::Process north_c(agent("northC"), folder_ / "northC.log");
+  for (const std::string& uav : kUavs) bring(imagesOf(uav));
+  const auto& uavs = support::syntheticFlight().uavs;
+  std::deque<RawlogWriter> rawlogs;
+  for (const std::string& uav : kUavs) rawlogs.emplace_back(live_ / rawlogOf(uav));
+  const auto fly = [&](std::size_t photo) {
+    for (std::size_t u = 0; u < rawlogs.size(); ++u) {
+      rawlogs[u].write(support::frameOf(uavs[u].photos[photo], live_ / rawlogOf(kUavs[u])));
+      rawlogs[u].write(uavs[u].photos[photo].fix);
+      rawlogs[u].flush();
+    }
+  };
+  {
+    support::Process north_a(agent("northA"), folder_ / "northA.log");
+    for (std::size_t photo = 0; photo < 4; ++photo) fly(photo);
+    SeamReader reader(folder_ / "seam/northA.seam");
+    for (int messages = 0; messages < 3 && north_a.running(); pauseFor(0.02))
+      if (reader.next()) ++messages;
+    north_a.signal(SIGKILL);
+    EXPECT_EQ(north_a.wait(), -1) << support::fileText(folder_ / "northA.log");
+  }
+  support::Process north_a(agent("northA", "--resume"), folder_ / "northA.log");
+  fly(4);
+  for (RawlogWriter& rawlog : rawlogs) rawlog.finish();
+  for (support::Process* process : {&north_a, &north_b, &north_c, &centre})
+    EXPECT_EQ(process->wait(), 0) << support::fileText(folder_ / "northA.log")
+                                  << support::fileText(folder_ / "centre.log");
+  expectSameResults(folder_ / "out", folder_ / "whole");
+  EXPECT_EQ(report("out")["bytes_over_seam"], report("whole")["bytes_over_seam"]);
+}
+
+/// A seam file that is followed, of an agent that starts late and of one that never does.
+TEST_F(FollowedFlight, AnAgentThatStartsLateOrNeverBlocksNobody) {
+  const std::string origin =
+      "-s 'world.origin=47, -92, 150' --seam '" + (folder_ / "seam").string() + "' --role ";
+  for (const char* uav : {"northA", "northB"}) {
+    bring(imagesOf(uav));
+    bring(rawlogOf(uav));
+  }
+  ASSERT_EQ(run(live_ / "config.ini", "", origin + "agent --uav northB").status, 0);
+  auto followed = std::async(std::launch::async, [&] {
+    return run(live_ / "config.ini", "out",
+               origin +
+                   "central -s playback.follow_s=3 -s playback.wait_s=3 "
+                   "-s playback.hold_up_s=0.5");
+  });
+  while (!fs::exists(folder_ / "out/.cf-run/photos/1_4.jpg") &&
+         followed.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
+  }
+  ASSERT_EQ(run(live_ / "config.ini", "", origin + "agent --uav northA").status, 0);
+  const CommandResult r = followed.get();
+  ASSERT_EQ(r.status, 0) << r.output;
+  for (const char* uav : {"northA", "northB"})
+    EXPECT_EQ(report("out")["uavs"][uav]["posed"].get<int>(), 5) << uav;
+  EXPECT_NE(r.output.find("northC: no agent has written"), std::string::npos) << r.output;
+}
+
 /// It holds the others up only for as long as it is told; the central UAV at that.
 TEST_F(FollowedFlight, AUavThatStartsLateOrNeverBlocksNobody) {
   const auto posed = [&](const std::string& outdir, const std::string& uav) {
@@ -200,10 +294,10 @@ TEST_F(FollowedFlight, InterruptedItGoesOnWithoutWaiting) {
 
 TEST_F(FollowedFlight, WhatCannotBeFollowedIsSaid) {
   EXPECT_EQ(follow("out", "-s playback.rate=1").status, 2);
-  EXPECT_EQ(follow("out", "-s 'world.origin=1, 2, 3' --role agent --uav northA --seam '" +
-                              (folder_ / "seam").string() + "'")
-                .status,
-            2);
+  const std::string agent =
+      " --role agent --uav northB --seam '" + (folder_ / "seam").string() + "'";
+  EXPECT_EQ(run(live_ / "config.ini", "", "-s playback.follow_s=1" + agent).status, 2)
+      << "the origin must be known to all";
   const CommandResult nothing = follow("out", "-s playback.follow_s=0.5");
   EXPECT_EQ(nothing.status, 1);
   EXPECT_NE(nothing.output.find("no UAV of the configuration has a photo"), std::string::npos)

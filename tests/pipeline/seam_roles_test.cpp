@@ -58,6 +58,25 @@ class SeamRoles : public ::testing::Test {
   const fs::path seam_;
 };
 
+/// What an agent that was killed, or ended, has left is gone on with; what does not go on with it
+/// is refused.
+TEST_F(SeamRoles, AnAgentGoesOnWithItsFile) {
+  ASSERT_EQ(run(command(agent("northA") + "--resume")).status, 0) << "with nothing, too";
+  const fs::path file = seam_ / "northA.seam";
+  const std::string whole = support::fileText(file);
+  for (const std::size_t size : {whole.size(), whole.size() / 2, std::size_t{20}, std::size_t{3}}) {
+    fs::resize_file(file, size);
+    const CommandResult r = run(command(agent("northA") + "--resume"));
+    EXPECT_EQ(r.status, 0) << r.output;
+    EXPECT_TRUE(support::fileText(file) == whole) << size;
+  }
+  const CommandResult other =
+      run(command(agent("northA") + "--resume -s odometry.keyframe_features=500"));
+  EXPECT_EQ(other.status, 1);
+  EXPECT_NE(other.output.find("begun with other settings"), std::string::npos) << other.output;
+  EXPECT_TRUE(support::fileText(file) == whole);
+}
+
 /// Every file is the same, the orthophoto too: photos this small cross as they are.
 TEST_F(SeamRoles, AgentsAndCentralNodeMakeTheMapOfOneProcess) {
   const std::string whole = (folder_ / "whole").string();
@@ -151,7 +170,7 @@ TEST_F(SeamRoles, WhatDoesNotBelongTogetherIsRefused) {
   for (const std::string& wrong :
        {seam, std::string("--role agent --uav northA"), "--role agent " + seam,
         "--role central --uav northA " + seam, "--role pilot " + seam,
-        "--role agent --uav nobody " + seam, agent("northA") + "--resume"}) {
+        "--role agent --uav nobody " + seam, agent("northA") + "-o out"}) {
     const CommandResult r = run(command(wrong));
     EXPECT_EQ(r.status, 2) << wrong << "\n" << r.output;
   }

@@ -84,6 +84,18 @@ inline void writeBytes(const std::filesystem::path& file, const std::vector<unsi
              static_cast<std::streamsize>(bytes.size()));
 }
 
+/// As its record in the rawlog tells of it; the file stands beside that.
+inline ImageFrame frameOf(const SyntheticFlight::Photo& photo, const std::filesystem::path& rawlog,
+                          bool with_gimbal = true) {
+  ImageFrame frame;
+  frame.time = photo.time;
+  frame.name = photo.name;
+  frame.file = imagesFolderOf(std::filesystem::absolute(rawlog)) / photo.name;
+  frame.camera = photo.truth.camera;
+  if (with_gimbal) frame.attitude = photo.gimbal;
+  return frame;
+}
+
 /// Rawlogs, their photos and config.ini in a folder; returns the ini.
 inline std::filesystem::path writeSyntheticFlight(const std::filesystem::path& folder,
                                                   bool with_gnss = true, bool with_gimbal = true) {
@@ -93,12 +105,7 @@ inline std::filesystem::path writeSyntheticFlight(const std::filesystem::path& f
     const std::filesystem::path rawlog = folder / (uav.name + ".rawlog");
     RawlogWriter writer(rawlog);
     for (const auto& photo : uav.photos) {
-      ImageFrame frame;
-      frame.time = photo.time;
-      frame.name = photo.name;
-      frame.file = imagesFolderOf(std::filesystem::absolute(rawlog)) / photo.name;
-      frame.camera = photo.truth.camera;
-      if (with_gimbal) frame.attitude = photo.gimbal;
+      const ImageFrame frame = frameOf(photo, rawlog, with_gimbal);
       writeBytes(frame.file, photo.jpeg);
       writer.write(frame);
       if (with_gnss) writer.write(photo.fix);

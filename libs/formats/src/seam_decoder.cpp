@@ -154,8 +154,12 @@ GeoSegment segmentOf(const seam::Segment& in, SegmentsById& known) {
   return out;
 }
 
-ChainStep stepOf(const seam::Step& in, SegmentsById known) {
-  ChainStep out;
+SeamStep stepOf(const seam::Step& in, SegmentsById known) {
+  SeamStep message;
+  if (in.has_photo())
+    message.photo = {in.photo().name(), in.photo().time_ns(), cameraOf(in.photo().camera())};
+  message.next_from = in.next_from_ns();
+  ChainStep& out = message.step;
   out.uav = uavOf(in.uav());
   for (const seam::Keyframe& keyframe : in.keyframes())
     out.keyframes.push_back(keyframeOf(keyframe));
@@ -167,11 +171,11 @@ ChainStep stepOf(const seam::Step& in, SegmentsById known) {
   }
   out.gnss = qualityOf(in.gnss());
   out.jpeg = in.jpeg();
-  if (!in.has_newest()) return out;
+  if (!in.has_newest()) return message;
   const seam::Step::Newest& newest = in.newest();
   out.newest = {idOf(newest.photo()), newest.segment(), poseOf(newest.t_local_cam()), {}};
   if (!newest.t_world_cam().empty()) out.newest->T_world_cam = poseOf(newest.t_world_cam());
-  return out;
+  return message;
 }
 
 SeamHello helloOf(const seam::Hello& in) {
@@ -181,9 +185,9 @@ SeamHello helloOf(const seam::Hello& in) {
   SeamHello out;
   out.uav = uavOf(in.uav());
   out.name = in.name();
-  out.camera = cameraOf(in.camera());
-  for (const seam::Hello::Photo& photo : in.photos())
-    out.photos.push_back({photo.name(), photo.time_ns()});
+  demand(in.photos() >= -1, "it has fewer than no photos");
+  out.next_from = in.next_from_ns();
+  if (in.photos() >= 0) out.photos = static_cast<std::size_t>(in.photos());
   if (!in.origin().empty()) out.origin = vectorOf(in.origin());
   out.warnings.assign(in.warnings().begin(), in.warnings().end());
   if (!in.has_first_fix()) return out;
@@ -208,6 +212,7 @@ SeamDone doneOf(const seam::Done& in) {
   out.gnss = qualityOf(in.gnss());
   out.segments = in.segments();
   out.pose_graph = in.pose_graph();
+  out.warnings.assign(in.warnings().begin(), in.warnings().end());
   return out;
 }
 
@@ -235,8 +240,8 @@ Result<SeamMessage> SeamDecoder::decode(std::string_view bytes) {
   try {
     SeamMessage out = messageOf(in, segments_.get());
     if (std::holds_alternative<SeamHello>(out)) segments_ = nullptr;
-    if (const auto* step = std::get_if<ChainStep>(&out); step != nullptr && step->segments)
-      segments_ = step->segments;
+    if (const auto* step = std::get_if<SeamStep>(&out); step != nullptr && step->step.segments)
+      segments_ = step->step.segments;
     return out;
   } catch (const Refusal& refusal) {
     return refusal.failure;

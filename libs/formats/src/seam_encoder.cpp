@@ -128,7 +128,8 @@ void put(const GeoSegment& segment, const GeoSegment* before, seam::Segment& out
   }
 }
 
-void put(const ChainStep& step, const SegmentsById& before, seam::Step& out) {
+void put(const SeamStep& message, const SegmentsById& before, seam::Step& out) {
+  const ChainStep& step = message.step;
   out.set_uav(step.uav);
   for (const GeoKeyframe& keyframe : step.keyframes) put(keyframe, *out.add_keyframes());
   if (step.segments) {
@@ -138,6 +139,13 @@ void put(const ChainStep& step, const SegmentsById& before, seam::Step& out) {
   }
   put(step.gnss, *out.mutable_gnss());
   out.set_jpeg(step.jpeg);
+  out.set_next_from_ns(message.next_from);
+  if (message.photo) {
+    seam::Step::Photo& photo = *out.mutable_photo();
+    photo.set_name(message.photo->name);
+    photo.set_time_ns(message.photo->time);
+    put(message.photo->camera, *photo.mutable_camera());
+  }
   if (!step.newest) return;
   seam::Step::Newest& newest = *out.mutable_newest();
   put(step.newest->photo, *newest.mutable_photo());
@@ -150,12 +158,8 @@ void put(const SeamHello& hello, seam::Hello& out) {
   out.set_protocol(kSeamProtocol);
   out.set_uav(hello.uav);
   out.set_name(hello.name);
-  put(hello.camera, *out.mutable_camera());
-  for (const SeamHello::Photo& photo : hello.photos) {
-    seam::Hello::Photo& to = *out.add_photos();
-    to.set_name(photo.name);
-    to.set_time_ns(photo.time);
-  }
+  out.set_next_from_ns(hello.next_from);
+  out.set_photos(hello.photos ? static_cast<std::int32_t>(*hello.photos) : -1);
   if (hello.origin) put(*hello.origin, *out.mutable_origin());
   for (const std::string& warning : hello.warnings) out.add_warnings(warning);
   if (!hello.first_fix) return;
@@ -196,6 +200,7 @@ void put(const SeamDone& done, seam::Done& out) {
   put(done.gnss, *out.mutable_gnss());
   out.set_segments(done.segments);
   out.set_pose_graph(done.pose_graph);
+  for (const std::string& warning : done.warnings) out.add_warnings(warning);
 }
 
 }  // namespace
@@ -205,9 +210,9 @@ std::string SeamEncoder::encode(const SeamMessage& message) {
   if (const auto* hello = std::get_if<SeamHello>(&message)) {
     put(*hello, *out.mutable_hello());
     segments_ = nullptr;
-  } else if (const auto* step = std::get_if<ChainStep>(&message)) {
+  } else if (const auto* step = std::get_if<SeamStep>(&message)) {
     put(*step, byId(segments_.get()), *out.mutable_step());
-    if (step->segments) segments_ = step->segments;
+    if (step->step.segments) segments_ = step->step.segments;
   } else {
     put(std::get<SeamDone>(message), *out.mutable_done());
   }

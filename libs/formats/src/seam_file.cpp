@@ -36,6 +36,29 @@ std::uint32_t crcOf(const void* data, std::size_t bytes) {
 }
 std::uint32_t headCrcOf(const Head& head) { return crcOf(&head, offsetof(Head, head_crc)); }
 
+/// As it stands in a file, past any buffer: what was not there a moment ago may be now. How many
+/// bytes there were, up to those asked for.
+std::size_t readAt(std::FILE* file, const std::filesystem::path& path, void* to,
+                   std::uint64_t offset, std::size_t bytes) {
+  std::size_t done = 0;
+  while (done < bytes) {
+    const ssize_t got = pread(fileno(file), static_cast<char*>(to) + done, bytes - done,
+                              static_cast<off_t>(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw RunError(path.string() + ": cannot be read: " + std::strerror(errno));
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+/// What a UAV says of itself, whatever is known of its recording.
+std::string identityOf(SeamHello hello) {
+  hello.photos.reset();
+  hello.warnings.clear();
+  return SeamEncoder().encode(hello);
+}
+
 }  // namespace
 
 SeamWriter::SeamWriter(std::filesystem::path path) : path_(std::move(path)) {
@@ -45,7 +68,34 @@ SeamWriter::SeamWriter(std::filesystem::path path) : path_(std::move(path)) {
   append(std::string(kMagic));
 }
 
+SeamWriter SeamWriter::goOn(const std::filesystem::path& path) {
+  SeamReader reader(path);
+  auto first = reader.next();
+  if (!first) return SeamWriter(path);
+  SeamWriter writer;
+  writer.path_ = path;
+  writer.hello_end_ = reader.bytes();
+  if (auto* hello = std::get_if<SeamHello>(&*first)) writer.hello_ = std::move(*hello);
+  if (!writer.hello_) writer.refuse();
+  while (reader.next()) {
+  }
+  writer.kept_ = reader.bytes();
+  std::error_code error;
+  std::filesystem::resize_file(path, writer.kept_, error);  // without what is there in part
+  writer.file_.reset(error ? nullptr : std::fopen(path.c_str(), "r+b"));
+  if (!writer.file_ || std::fseek(writer.file_.get(), 0, SEEK_END) != 0)
+    throw RunError(path.string() + ": cannot be written: " + std::strerror(errno));
+  return writer;
+}
+
 void SeamWriter::write(const SeamMessage& message) {
+  if (const auto* hello = std::get_if<SeamHello>(&message); hello != nullptr && hello_) {
+    if (identityOf(*hello) != identityOf(*hello_)) refuse();
+    (void)encoder_.encode(message);
+    hello_.reset();
+    bytes_ = hello_end_;
+    return;
+  }
   const std::string bytes = encoder_.encode(message);
   Head head;
   head.length = static_cast<std::uint32_t>(bytes.size());
@@ -55,16 +105,34 @@ void SeamWriter::write(const SeamMessage& message) {
 }
 
 void SeamWriter::append(const std::string& bytes) {
-  if (file_ && (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
-                std::fflush(file_.get()) != 0))
+  if (bytes_ < kept_)
+    compare(bytes);
+  else if (file_ && (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
+                     std::fflush(file_.get()) != 0))
     throw RunError(path_.string() + ": cannot be written: " + std::strerror(errno));
   bytes_ += bytes.size();
+}
+
+/// With what the file holds there.
+void SeamWriter::compare(const std::string& bytes) const {
+  std::string there(bytes.size(), '\0');
+  if (bytes_ + bytes.size() > kept_ ||
+      readAt(file_.get(), path_, there.data(), bytes_, there.size()) != there.size() ||
+      there != bytes)
+    refuse();
+}
+
+void SeamWriter::refuse() const {
+  throw RunError(fmt::format(
+      "{}: it was begun with other settings or of another recording (seen at byte {}): -w begins "
+      "it anew",
+      path_.string(), bytes_));
 }
 
 std::optional<SeamMessage> SeamReader::next() {
   const auto there = size();
   if (!there) return std::nullopt;
-  if (*there < offset_) fail("the file became shorter");
+  if (*there < offset_) becameShorter();
   if (!begin(*there)) return std::nullopt;
   const std::uint64_t left = *there - offset_;
   if (ended_ && left > 0) fail("the file goes on after its last message");
@@ -103,23 +171,16 @@ bool SeamReader::begin(std::uint64_t size) {
   return true;
 }
 
-/// Past any buffer: what was not there a moment ago may be now.
 void SeamReader::read(void* to, std::uint64_t offset, std::size_t bytes) const {
-  char* at = static_cast<char*>(to);
-  while (bytes > 0) {
-    const ssize_t got = pread(fileno(file_.get()), at, bytes, static_cast<off_t>(offset));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw RunError(path_.string() + ": cannot be read: " + std::strerror(errno));
-    if (got == 0) fail("the file became shorter");
-    at += got;
-    offset += static_cast<std::uint64_t>(got);
-    bytes -= static_cast<std::size_t>(got);
-  }
+  if (readAt(file_.get(), path_, to, offset, bytes) != bytes) becameShorter();
 }
 
-void SeamReader::fail(const std::string& what) const {
-  throw RunError(fmt::format("{}: {} (at byte {}); let its UAV write it again", path_.string(),
-                             what, offset_));
+void SeamReader::becameShorter() const {
+  fail("the file became shorter", "if its agent has begun anew, begin anew here too");
+}
+
+void SeamReader::fail(const std::string& what, const char* advice) const {
+  throw RunError(fmt::format("{}: {} (at byte {}); {}", path_.string(), what, offset_, advice));
 }
 
 }  // namespace cf

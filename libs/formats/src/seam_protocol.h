@@ -12,7 +12,7 @@
 namespace cf {
 
 /// Grows with every change that an older reader would not understand.
-inline constexpr std::uint32_t kSeamProtocol = 2;
+inline constexpr std::uint32_t kSeamProtocol = 3;
 
 using SegmentsById = std::map<SegmentId, const GeoSegment*>;
 

@@ -27,13 +27,17 @@ std::uint16_t placeOf(const std::string& name, const RunOptions& options,
 }
 
 /// An agent sees no other UAV: what the whole cluster must share has to be known beforehand.
-World worldOf(const UavInput& input, const RunOptions& options) {
-  const auto first = input.firstFix();
-  if (first && options.world.origin.empty() && input.uav() != centralUav(options))
+void demandOrigin(std::uint16_t uav, const RunOptions& options) {
+  if (options.world.origin.empty() && uav != centralUav(options))
     throw UsageError(fmt::format(
         "the agent of {} does not know the world's origin, the first fix of {}: give [world] "
         "origin = LAT, LON, H to all agents and the central node",
-        input.name(), options.cluster.center));
+        options.uavs[uav].name, options.cluster.center));
+}
+
+World worldOf(const UavInput& input, const RunOptions& options) {
+  const auto first = input.firstFix();
+  if (first) demandOrigin(input.uav(), options);
   std::vector<std::optional<GnssFix>> first_fixes(options.uavs.size());
   first_fixes[input.uav()] = first;
   return placeWorld(options, first_fixes);
@@ -46,27 +50,32 @@ AgentSummary runAgent(Config& config, const AgentRequest& request) {
   const ThreadLimit limit(options);
   const std::uint16_t uav = placeOf(request.uav, options, config.file().string());
   const fs::path file = request.seam / (request.uav + ".seam");
-  if (fs::exists(file) && !request.overwrite)
-    throw UsageError(file.string() + " is there already; give -w to overwrite it");
-  if (options.playback.follow_s > 0)
-    throw UsageError("--role agent plays a complete rawlog: [playback] follow_s must be 0");
-  UavInput input(config, options, uav);
+  if (fs::exists(file) && !request.overwrite && !request.resume)
+    throw UsageError(file.string() +
+                     " is there already; give --resume to go on with it or -w to begin it anew");
+  std::vector<UavInput> inputs;
+  inputs.emplace_back(config, options, uav);
+  PhotoFeed feed(std::move(inputs), options.playback);
+  if (feed.follows()) {
+    demandOrigin(uav, options);
+    feed.awaitStart(0);
+  }
+  const UavInput& input = feed.inputs().front();
   for (const std::string& warning : input.warnings()) logWarning(input.name() + ": " + warning);
   const World world = worldOf(input, options);
   std::error_code error;
   fs::create_directories(request.seam, error);
   if (error) throw RunError(request.seam.string() + " cannot be made: " + error.message());
-  std::vector<UavInput> inputs;
-  inputs.push_back(std::move(input));
   StageTimes times;
-  ChainSteps source(PhotoFeed(std::move(inputs), options.playback), options, world.frame, times,
-                    request.seam);
-  const std::size_t photos = source.photoCount();
+  ChainSteps source(std::move(feed), options, world.frame, times);
+  source.writeTo(0, request.resume ? SeamWriter::goOn(file) : SeamWriter(file));
+  std::size_t photos = 0;
   FlightProgress progress(source, options.playback.inRealTime());
   tbb::parallel_pipeline(kStepsInFlight, source.steps() & tbb::make_filter<StepSource::Step, void>(
                                                               tbb::filter_mode::serial_in_order,
                                                               [&](const StepSource::Step& step) {
                                                                 progress.advance(*step);
+                                                                if (step->photo) ++photos;
                                                               }));
   return {photos, source.bytes(), file};
 }

@@ -3,6 +3,7 @@
 #include "chain_steps.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "cf/base/log.h"
@@ -10,41 +11,36 @@
 namespace cf {
 namespace {
 
-SeamHello helloOf(const UavInput& input) {
+constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
+
+/// Of the photos that wait to be taken up.
+TimeNs nextOf(const UavInput& input) {
+  return input.photos().empty() ? kNever : input.photos().front().photo.time;
+}
+
+/// As far as it is known.
+SeamHello helloOf(const UavInput& input, const std::optional<LocalFrame>& world) {
   SeamHello hello;
   hello.uav = input.uav();
   hello.name = input.name();
-  return hello;
-}
-
-/// What is known when all has been read.
-void complete(SeamHello& hello, const UavInput& input, const std::optional<LocalFrame>& world) {
   hello.first_fix = input.firstFix();
-  hello.warnings = input.warnings();
-  if (!hello.first_fix || !world) return;
+  if (input.isClosed()) hello.photos = input.photos().size();
+  hello.next_from = nextOf(input);
+  if (!hello.first_fix || !world) return hello;
   const Geodetic& origin = world->origin();
   hello.origin = {origin.latitude_deg, origin.longitude_deg, origin.height_m};
-}
-
-void add(const ImageFrame& photo, SeamHello& hello) {
-  if (hello.photos.empty()) hello.camera = photo.camera;
-  hello.photos.push_back({photo.name, photo.time});
+  return hello;
 }
 
 }  // namespace
 
 ChainSteps::ChainSteps(PhotoFeed feed, const RunOptions& options,
-                       const std::optional<LocalFrame>& world, StageTimes& times,
-                       const std::filesystem::path& seam)
+                       const std::optional<LocalFrame>& world, StageTimes& times)
     : feed_(std::move(feed)), world_(world), pacer_(options.playback) {
   for (const UavInput& input : feed_.inputs()) {
-    const auto file = seam.empty() ? seam : seam / (input.name() + ".seam");
-    uavs_.emplace_back(input, options, world, times, file);
-    hellos_.push_back(helloOf(input));
-    if (follows()) continue;
-    complete(hellos_.back(), input, world);
-    for (const UavInput::Waiting& waiting : input.photos()) add(waiting.photo, hellos_.back());
-    uavs_.back().writer.write(hellos_.back());
+    uavs_.emplace_back(input, options, world, times);
+    hellos_.push_back(helloOf(input, world));
+    hellos_.back().warnings = input.warnings();
   }
 }
 
@@ -72,11 +68,30 @@ ChainSteps::Photo ChainSteps::takeUp(tbb::flow_control& control) {
   }
   auto taken = std::make_shared<Taken>();
   taken->item = std::move(*item);
+  taken->next_from = follows() && taken->item.photo ? taken->item.photo->time
+                                                    : nextOf(feed_.inputs()[taken->item.input]);
+  greet(taken->item);
   taken->taken_s = follows() ? taken->item.ready_s : wallSeconds();
   if (!taken->item.photo) return taken;
   if (!follows()) taken->taken_s = pacer_.await(*taken->item.photo);
   most_behind_s_ = std::max(most_behind_s_, wallSeconds() - taken->taken_s);
   return taken;
+}
+
+/// What is known when the UAV's first item is taken up.
+void ChainSteps::greet(const PhotoFeed::Item& item) {
+  Uav& uav = uavs_[item.input];
+  if (uav.greeted) return;
+  uav.greeted = true;
+  SeamHello& hello = hellos_[item.input];
+  std::vector<std::string> warnings = std::move(hello.warnings);
+  hello = helloOf(feed_.inputs()[item.input], world_);
+  hello.warnings = std::move(warnings);
+  if (item.photo) {
+    hello.next_from = item.photo->time;
+    if (hello.photos) ++*hello.photos;
+  }
+  uav.writer.write(hello);
 }
 
 StepSource::Step ChainSteps::push(const Taken& taken) {
@@ -88,30 +103,32 @@ StepSource::Step ChainSteps::push(const Taken& taken) {
     return out;
   }
   Uav& uav = uavs_[item.input];
-  if (follows()) add(*item.photo, hellos_[item.input]);
-  out->photo = taken.photo->frame;
-  SeamMessage message = uav.chain.push(*taken.photo, item.fixes);
+  const ImageFrame& frame = taken.photo->frame;
+  out->photo = frame;
+  const SeamMessage message =
+      SeamStep{uav.chain.push(*taken.photo, item.fixes),
+               SeamStep::Photo{frame.name, frame.time, frame.camera}, taken.next_from};
   uav.writer.write(message);
-  out->step = std::move(std::get<ChainStep>(message));
+  out->step = std::get<SeamStep>(message).step;
   return out;
 }
 
 ChainStep ChainSteps::finish(std::size_t input, const std::vector<GnssFix>& fixes) {
   Uav& uav = uavs_[input];
-  SeamMessage message = uav.chain.finish(fixes);
+  SeamMessage message = SeamStep{uav.chain.finish(fixes), {}, kNever};
   uav.writer.write(message);
   uav.done = uav.chain.done();
-  uav.writer.write(uav.done);
   if (follows()) {
-    SeamHello& hello = hellos_[input];
-    complete(hello, feed_.inputs()[input], world_);
-    uav.writer.write(hello);  // only counted, so that it may come last
-    for (const std::string& warning : hello.warnings) {
+    const SeamHello& hello = hellos_[input];
+    const std::vector<std::string>& all = feed_.inputs()[input].warnings();
+    if (hello.warnings.empty()) uav.done.warnings = all;
+    for (const std::string& warning : uav.done.warnings) {
       warnings_.push_back(hello.name + ": " + warning);
       logWarning(warnings_.back());
     }
   }
-  return std::move(std::get<ChainStep>(message));
+  uav.writer.write(uav.done);
+  return std::move(std::get<SeamStep>(message).step);
 }
 
 std::vector<SeamDone> ChainSteps::done() {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <deque>
-#include <filesystem>
+#include <utility>
 
 #include "cf/base/stopwatch.h"
 #include "cf/formats/seam_file.h"
@@ -19,10 +19,12 @@ namespace cf {
 /// several at a time; odometry takes them up in order.
 class ChainSteps : public StepSource {
  public:
-  /// What crosses the seam is written to <uav>.seam in the folder, or, without one, only counted.
-  /// What is given by reference must outlive it.
+  /// What crosses the seam is only counted. What is given by reference must outlive it.
   ChainSteps(PhotoFeed feed, const RunOptions& options, const std::optional<LocalFrame>& world,
-             StageTimes& times, const std::filesystem::path& seam = {});
+             StageTimes& times);
+
+  /// Before steps(): what one of the UAVs hands over the seam is written.
+  void writeTo(std::size_t input, SeamWriter writer) { uavs_[input].writer = std::move(writer); }
 
   std::size_t photoCount() const override { return feed_.photosKnown(); }
   bool follows() const override { return feed_.follows(); }
@@ -35,6 +37,7 @@ class ChainSteps : public StepSource {
   struct Taken {
     PhotoFeed::Item item;
     double taken_s = 0;
+    TimeNs next_from = 0;
     std::shared_ptr<ReadyPhoto> photo;  ///< none at the UAV's end
   };
   using Photo = std::shared_ptr<Taken>;
@@ -42,11 +45,13 @@ class ChainSteps : public StepSource {
     UavChain chain;
     SeamWriter writer;
     SeamDone done;
+    bool greeted = false;
     Uav(const UavInput& input, const RunOptions& options, const std::optional<LocalFrame>& world,
-        StageTimes& times, const std::filesystem::path& file)
-        : chain(input.name(), input.uav(), world, options, times), writer(file) {}
+        StageTimes& times)
+        : chain(input.name(), input.uav(), world, options, times) {}
   };
   Photo takeUp(tbb::flow_control& control);
+  void greet(const PhotoFeed::Item& item);
   Step push(const Taken& taken);
   ChainStep finish(std::size_t input, const std::vector<GnssFix>& fixes);
 

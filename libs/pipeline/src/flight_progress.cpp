@@ -51,7 +51,7 @@ FlightProgress::FlightProgress(const StepSource& source, bool in_real_time)
     of_uav_[hello.uav] = uavs_.size();
     Uav& uav = uavs_.emplace_back();
     uav.name = hello.name;
-    if (!source.follows()) uav.known = hello.photos.size();
+    uav.known = hello.photos.value_or(0);
   }
 }
 

@@ -44,18 +44,17 @@ class FlightRun {
     record_.version = request.version;
     for (const UavOptions& uav : options.uavs)
       photo_folders_.push_back(imagesFolderOf(config.resolve(uav.rawlog)));
+    if (!options.gcp.file.empty()) survey_.emplace(config.resolve(options.gcp.file), options.gcp);
     if (request.seam.empty())
       playRecordings(config);
     else
       followAgents();
-    if (!options.gcp.file.empty()) survey_.emplace(config.resolve(options.gcp.file), options.gcp);
     for (const SeamHello& hello : source_->hellos()) {
       for (const std::string& warning : hello.warnings) warn(record_, hello.name + ": " + warning);
-      if (hello.photos.empty() && options_.playback.follow_s == 0)
+      if (hello.photos == 0U && options_.playback.follow_s == 0)
         warn(record_, hello.name + ": it has no photo");
     }
     if (photos() == 0) throw RunError("no UAV of the configuration has a photo");
-    if (survey_ && options.playback.follow_s == 0) survey_->checkPhotos(source_->hellos());
     if (!world_.frame && !(survey_ && survey_->controls()))
       warn(record_,
            "no photo has a GNSS position: the map is relative, its place, heading and scale "
@@ -93,7 +92,10 @@ class FlightRun {
     for (std::size_t u = 0; u < options_.uavs.size(); ++u)
       inputs.emplace_back(config, options_, static_cast<std::uint16_t>(u));
     PhotoFeed feed(std::move(inputs), options_.playback);
-    if (feed.follows()) feed.awaitStart(centralUav(options_));
+    if (feed.follows())
+      feed.awaitStart(centralUav(options_));
+    else if (survey_)
+      survey_->checkPhotos(feed.inputs());
     std::vector<std::optional<GnssFix>> first_fixes;
     for (const UavInput& input : feed.inputs()) first_fixes.push_back(input.firstFix());
     world_ = placeWorld(options_, first_fixes);
@@ -101,20 +103,12 @@ class FlightRun {
   }
 
   void followAgents() {
-    source_ = std::make_unique<SeamSteps>(request_.seam, options_);
+    auto agents = std::make_unique<SeamSteps>(request_.seam, options_);
     std::vector<std::optional<GnssFix>> first_fixes;
-    for (const SeamHello& hello : source_->hellos()) first_fixes.push_back(hello.first_fix);
+    for (const SeamHello& hello : agents->hellos()) first_fixes.push_back(hello.first_fix);
     world_ = placeWorld(options_, first_fixes);
-    for (const SeamHello& hello : source_->hellos()) {
-      if (!hello.origin) continue;
-      const Geodetic& ours = world_.frame->origin();
-      if (*hello.origin != Eigen::Vector3d(ours.latitude_deg, ours.longitude_deg, ours.height_m))
-        throw RunError(
-            fmt::format("{}: its agent georeferences at the origin {}, {}, {}, this run at {}, {}, "
-                        "{}: give all of them the same [world] origin",
-                        hello.name, hello.origin->x(), hello.origin->y(), hello.origin->z(),
-                        ours.latitude_deg, ours.longitude_deg, ours.height_m));
-    }
+    if (world_.frame) agents->requireOrigin(world_.frame->origin());
+    source_ = std::move(agents);
   }
 
   /// All photos through their UAVs' chains to the centre.
@@ -179,8 +173,9 @@ class FlightRun {
     for (const auto& [id, finished] : dense.finished_s) {
       const auto shown = shown_s_.find(id);
       const double taken_s = photo_times_.of(id).taken_s;
-      record_.latencies.push_back({id, taken_s - started_s_,
-                                   (shown == shown_s_.end() ? finished : shown->second) - taken_s});
+      record_.latencies.push_back(
+          {id, taken_s - started_s_,
+           (shown == shown_s_.end() ? finished : shown->second) - taken_s});
     }
     record_.cloud = dense.cloud;
     record_.self_check = selfCheck(record_);

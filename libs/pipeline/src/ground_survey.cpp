@@ -121,11 +121,12 @@ GroundSurvey::GroundSurvey(const std::filesystem::path& file, const GcpOptions& 
   if (!areSpread(points)) throw UsageError(list_.file.string() + ": " + kTooFew);
 }
 
-void GroundSurvey::checkPhotos(const std::vector<SeamHello>& hellos) const {
+void GroundSurvey::checkPhotos(const std::vector<UavInput>& inputs) const {
   MapPhotos photos;
-  for (const SeamHello& hello : hellos)
-    for (const SeamHello::Photo& photo : hello.photos)
-      photos.emplace(photo.name, MapPhoto{hello.name, Eigen::Isometry3d::Identity(), hello.camera});
+  for (const UavInput& input : inputs)
+    for (const auto& [photo, came_s, file] : input.photos())
+      photos.emplace(photo.name,
+                     MapPhoto{input.name(), Eigen::Isometry3d::Identity(), photo.camera});
   for (const MarkedPoint& point : joinMarks(list_, LocalFrame(places_.front()), photos, size_))
     if (!point.sights.empty()) return;
   throw UsageError(fmt::format("{}: none of its photos ({}, …) is one of this flight",

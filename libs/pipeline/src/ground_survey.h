@@ -10,8 +10,8 @@
 #include "cf/align/aligner.h"
 #include "cf/deliver/run_record.h"
 #include "cf/evaluate/marked_points.h"
-#include "cf/formats/seam_message.h"
 #include "cf/pipeline/run_options.h"
+#include "uav_input.h"
 #include "world.h"
 
 namespace cf {
@@ -24,9 +24,9 @@ class GroundSurvey {
   GroundSurvey(const std::filesystem::path& file, const GcpOptions& options);
 
   bool controls() const { return control_; }
-  /// The photos are all known: throws UsageError where none of the marked ones is among them, and
+  /// Of complete recordings: throws UsageError where none of the marked photos is among theirs, and
   /// as joinMarks() where marks do not fit them.
-  void checkPhotos(const std::vector<SeamHello>& hellos) const;
+  void checkPhotos(const std::vector<UavInput>& inputs) const;
   /// What the final map has to do with them goes into the record. As control, moves the map onto
   /// them by a similarity; a relative map gets its place on earth by that, and heights count from
   /// what those of the list do. Throws RunError where that cannot be done.

@@ -13,11 +13,12 @@
 #include "cf/base/error.h"
 #include "cf/base/log.h"
 #include "cf/base/stopwatch.h"
+#include "world.h"
 
 namespace cf {
 namespace {
 
-constexpr auto kPoll = std::chrono::milliseconds(200);
+constexpr auto kPoll = std::chrono::milliseconds(100);
 /// A wait of this length is worth a word.
 constexpr double kSay_s = 2;
 
@@ -25,94 +26,89 @@ constexpr double kSay_s = 2;
   throw RunError(file.string() + ": " + what);
 }
 
-/// That nothing in it points outside of what the UAV has said it has.
-bool fits(const ChainStep& step, const SeamHello& hello) {
-  const auto isOwn = [&](FrameId id) {
-    return id.uav == hello.uav && id.index < hello.photos.size();
-  };
+bool isUsable(const CameraModel& camera) {
+  return camera.width > 0 && camera.height > 0 && camera.fx > 0 && camera.fy > 0;
+}
+
+/// That nothing in it points outside of the UAV's photos, of which there were `before`.
+bool fits(const SeamStep& message, std::uint16_t uav, std::size_t before) {
+  const ChainStep& step = message.step;
+  const std::size_t photos = before + (message.photo ? 1 : 0);
+  const auto isOwn = [&](FrameId id) { return id.uav == uav && id.index < photos; };
   const auto fit = [&](const GeoSegment& segment) {
-    return segment.id.uav == hello.uav &&
+    return segment.id.uav == uav &&
            std::all_of(segment.poses.begin(), segment.poses.end(),
                        [&](const GeoSegment::Pose& pose) { return isOwn(pose.frame); });
   };
-  return step.uav == hello.uav && (!step.newest || isOwn(step.newest->photo)) &&
+  return step.uav == uav && (!message.photo || isUsable(message.photo->camera)) &&
+         (!step.newest ||
+          (message.photo && isOwn(step.newest->photo) && step.newest->photo.index == before)) &&
          std::all_of(step.keyframes.begin(), step.keyframes.end(),
                      [&](const GeoKeyframe& k) { return isOwn(k.keyframe->id); }) &&
          (!step.segments || std::all_of(step.segments->begin(), step.segments->end(), fit));
 }
 
-bool fits(const SeamDone& done, const SeamHello& hello) {
-  return done.uav == hello.uav && done.photos.size() == hello.photos.size() &&
+bool fits(const SeamDone& done, std::uint16_t uav, std::size_t photos) {
+  return done.uav == uav && done.photos.size() == photos &&
          std::all_of(done.local_trajectory.begin(), done.local_trajectory.end(),
-                     [&](const PhotoPose& pose) { return pose.photo < hello.photos.size(); });
+                     [&](const PhotoPose& pose) { return pose.photo < photos; });
 }
+
+constexpr const char* kUnfit = "its messages do not fit together";
 
 }  // namespace
 
 SeamSteps::SeamSteps(const std::filesystem::path& folder, const RunOptions& options)
-    : wait_s_(options.playback.wait_s) {
+    : options_(options.playback) {
   for (const UavOptions& uav : options.uavs) {
     const std::filesystem::path path = folder / (uav.name + ".seam");
-    streams_.push_back({path, SeamReader(path), false, {}});
+    Stream& stream = streams_.emplace_back(path);
+    stream.grown_s = wallSeconds();
+    SeamHello& hello = hellos_.emplace_back();
+    stream.done.uav = hello.uav = static_cast<std::uint16_t>(hellos_.size() - 1);
+    hello.name = uav.name;
+    hello.photos = 0;
   }
-  for (std::uint16_t u = 0; u < streams_.size(); ++u) begin(u, options.uavs[u].name);
-  order_ = order();
+  awaitStart(centralUav(options));
 }
 
-void SeamSteps::begin(std::uint16_t uav, const std::string& name) {
-  Stream& stream = streams_[uav];
-  SeamHello hello;
-  hello.uav = uav;
-  hello.name = name;
-  if (const auto message = await(stream)) {
-    const auto* said = std::get_if<SeamHello>(&*message);
-    if (said == nullptr) refuse(stream.path, "it does not begin as a seam file does");
-    if (said->uav != uav || said->name != name)
-      refuse(stream.path, fmt::format("it is of UAV {} ({}), not of {} ({}): agents and central "
-                                      "node need the same configuration",
-                                      said->uav, said->name, uav, name));
-    if (!std::is_sorted(said->photos.begin(), said->photos.end(),
-                        [](const auto& a, const auto& b) { return a.time < b.time; }))
-      refuse(stream.path, "its photos are not in time order");
-    hello = *said;
-  }
-  hellos_.push_back(hello);
-  stream.done.uav = uav;
-  for (const SeamHello::Photo& photo : hello.photos) {
-    PhotoRecord record;
-    record.name = photo.name;
-    record.time = photo.time;
-    record.reason = "its agent had stopped before";
-    stream.done.photos.push_back(record);
-  }
-  if (!stream.stopped) return;
-  warnings_.push_back(fmt::format("{}: no agent has written {} within {:.0f} s", name,
-                                  stream.path.string(), wait_s_));
-  logWarning(warnings_.back());
+void SeamSteps::requireOrigin(const Geodetic& origin) {
+  origin_ = origin;
+  for (const SeamHello& hello : hellos_) checkOrigin(hello);
 }
 
-std::vector<SeamSteps::Place> SeamSteps::order() const {
-  std::vector<Place> places;
-  for (std::size_t u = 0; u < hellos_.size(); ++u)
-    for (std::uint32_t i = 0; i < hellos_[u].photos.size(); ++i) places.push_back({u, i});
-  const auto timeOf = [&](const Place& p) { return hellos_[p.uav].photos[p.photo].time; };
-  // Of one UAV always in its own order.
-  std::stable_sort(places.begin(), places.end(),
-                   [&](const Place& a, const Place& b) { return timeOf(a) < timeOf(b); });
-  for (std::size_t u = 0; u < hellos_.size(); ++u)
-    places.push_back({u, static_cast<std::uint32_t>(hellos_[u].photos.size())});
-  return places;
+void SeamSteps::checkOrigin(const SeamHello& hello) const {
+  if (!origin_ || !hello.origin) return;
+  const Eigen::Vector3d ours(origin_->latitude_deg, origin_->longitude_deg, origin_->height_m);
+  if (*hello.origin != ours)
+    throw RunError(fmt::format(
+        "{}: its agent georeferences at the origin {}, {}, {}, this run at {}, {}, {}: give all of "
+        "them the same [world] origin",
+        hello.name, hello.origin->x(), hello.origin->y(), hello.origin->z(), ours.x(), ours.y(),
+        ours.z()));
 }
 
-/// Its file is not at hand.
-ImageFrame SeamSteps::photoAt(const Place& place) const {
-  const SeamHello& hello = hellos_[place.uav];
-  ImageFrame photo;
-  photo.id = {hello.uav, place.photo};
-  photo.name = hello.photos[place.photo].name;
-  photo.time = hello.photos[place.photo].time;
-  photo.camera = hello.camera;
-  return photo;
+/// Until the map has a place: as PhotoFeed::awaitStart() of rawlogs.
+void SeamSteps::awaitStart(std::size_t center) {
+  waiting_since_ = wallSeconds();
+  std::optional<double> other_since;
+  for (;; std::this_thread::sleep_for(kPoll)) {
+    bool all = true, other = false;
+    for (std::size_t u = 0; u < streams_.size(); ++u) {
+      look(u);
+      all = all && (streams_[u].greeted || streams_[u].stopped);
+      other = other || hellos_[u].first_fix;
+    }
+    const double now = wallSeconds();
+    if (all || (follows() && hellos_[center].first_fix)) return;
+    if (other && !other_since) other_since = now;
+    if (follows() && other_since && now - *other_since >= options_.hold_up_s) {
+      logInfo(hellos_[center].name + " has no photos with fixes yet: the flight begins without it");
+      return;
+    }
+    for (std::size_t u = 0; u < streams_.size(); ++u)
+      if (!streams_[u].greeted && !streams_[u].stopped && isSilent(u)) stop(u);
+  }
 }
 
 tbb::filter<void, StepSource::Step> SeamSteps::steps() {
@@ -121,66 +117,157 @@ tbb::filter<void, StepSource::Step> SeamSteps::steps() {
 }
 
 StepSource::Step SeamSteps::next(tbb::flow_control& control) {
-  while (next_ < order_.size()) {
-    const Place place = order_[next_++];
-    Stream& stream = streams_[place.uav];
-    if (stream.stopped) continue;
-    auto message = await(stream);
-    if (!message) {
-      stop(place.uav, place.photo);
-      continue;
+  waiting_since_ = wallSeconds();
+  said_ = false;
+  for (;; std::this_thread::sleep_for(kPoll)) {
+    std::optional<std::size_t> first;
+    for (std::size_t u = 0; u < streams_.size(); ++u) {
+      look(u);
+      const Stream& stream = streams_[u];
+      if (stream.head && stream.head->message.photo && (!first || comesBefore(u, *first)))
+        first = u;
     }
-    auto out = std::make_shared<SourceStep>();
-    out->taken_s = wallSeconds();
-    auto* step = std::get_if<ChainStep>(&*message);
-    if (step == nullptr || !fits(*step, hellos_[place.uav]))
-      refuse(stream.path, "its messages do not fit together");
-    out->step = std::move(*step);
-    note(place.uav, out->step, place);
-    if (isLast(place))
-      finish(place.uav);
-    else
-      out->photo = photoAt(place);
-    return out;
-  }
-  control.stop();
-  return nullptr;
-}
-
-/// The next message; none if the agent has ended without it.
-std::optional<SeamMessage> SeamSteps::await(Stream& stream) const {
-  const double since = wallSeconds();
-  bool said = false;
-  while (true) {
-    if (auto message = stream.reader.next()) return message;
-    const double waited = wallSeconds() - since;
-    if (stream.reader.ended() || waited > wait_s_) {
-      stream.stopped = true;
-      return std::nullopt;
+    bool held_up = false;
+    for (std::size_t u = 0; u < streams_.size() && !held_up; ++u) held_up = holdsUp(u, first);
+    if (first && !held_up) return take(*first);
+    while (!first && !held_up && finished_ < streams_.size()) {
+      const std::size_t last = finished_++;
+      if (streams_[last].head) return takeLast(last);
     }
-    if (!said && waited > kSay_s) {
-      logInfo("waiting for " + stream.path.string());
-      said = true;
+    if (!first && !held_up) {
+      control.stop();
+      return nullptr;
     }
-    std::this_thread::sleep_for(kPoll);
+    for (std::size_t u = 0; u < streams_.size(); ++u)
+      if (holdsUp(u, first) && isSilent(u)) stop(u);
   }
 }
 
-void SeamSteps::stop(std::size_t uav, std::size_t photos) {
+/// Reads the agent's next message if there is none yet; whether there is one now.
+bool SeamSteps::look(std::size_t uav) {
+  Stream& stream = streams_[uav];
+  if (stream.stopped || stream.head) return stream.head.has_value();
+  auto message = stream.reader.next();
+  if (!message) return false;
+  stream.grown_s = wallSeconds();
+  if (!stream.greeted) {
+    auto* hello = std::get_if<SeamHello>(&*message);
+    if (hello == nullptr) refuse(stream.path, "it does not begin as a seam file does");
+    greet(uav, std::move(*hello));
+    return look(uav);
+  }
+  auto* step = std::get_if<SeamStep>(&*message);
+  const auto number = static_cast<std::uint16_t>(uav);
+  if (step == nullptr || !fits(*step, number, stream.came)) refuse(stream.path, kUnfit);
+  if (step->photo && step->photo->time < stream.next_from)
+    refuse(stream.path, "its photos are not in time order");
+  if (step->photo) ++stream.came;
+  stream.next_from = step->next_from;
+  stream.head = {std::move(*step), wallSeconds()};
+  return true;
+}
+
+void SeamSteps::greet(std::size_t uav, SeamHello hello) {
+  Stream& stream = streams_[uav];
+  if (hello.uav != uav || hello.name != hellos_[uav].name)
+    refuse(stream.path, fmt::format("it is of UAV {} ({}), not of {} ({}): agents and central "
+                                    "node need the same configuration",
+                                    hello.uav, hello.name, uav, hellos_[uav].name));
+  checkOrigin(hello);
+  stream.greeted = true;
+  stream.next_from = hello.next_from;
+  hellos_[uav] = std::move(hello);
+}
+
+/// The photo at hand of `a` before that of `b`.
+bool SeamSteps::comesBefore(std::size_t a, std::size_t b) const {
+  return std::pair(streams_[a].head->message.photo->time, a) <
+         std::pair(streams_[b].head->message.photo->time, b);
+}
+
+/// That `other` may have a photo before the one at hand of `first`; without one, that it may have
+/// any.
+bool SeamSteps::holdsUp(std::size_t other, std::optional<std::size_t> first) const {
+  const Stream& stream = streams_[other];
+  if (stream.stopped || stream.head) return false;
+  if (!first) return true;
+  const Head& head = *streams_[*first].head;
+  const double now = wallSeconds();
+  if (follows() &&
+      (now - stream.grown_s >= options_.hold_up_s || now - head.came_s >= options_.hold_up_s))
+    return false;
+  return !stream.greeted ||
+         std::pair(stream.next_from, other) < std::pair(head.message.photo->time, *first);
+}
+
+StepSource::Step SeamSteps::take(std::size_t uav) {
+  Stream& stream = streams_[uav];
+  auto out = std::make_shared<SourceStep>();
+  out->taken_s = stream.head->came_s;
+  SeamStep message = std::move(stream.head->message);
+  stream.head.reset();
+  note(uav, message);
+  ImageFrame& photo = out->photo.emplace();  // its file is not at hand
+  photo.id = {static_cast<std::uint16_t>(uav),
+              static_cast<std::uint32_t>(stream.done.photos.size() - 1)};
+  photo.name = message.photo->name;
+  photo.time = message.photo->time;
+  photo.camera = message.photo->camera;
+  out->step = std::move(message.step);
+  return out;
+}
+
+StepSource::Step SeamSteps::takeLast(std::size_t uav) {
+  Stream& stream = streams_[uav];
+  auto out = std::make_shared<SourceStep>();
+  out->taken_s = stream.head->came_s;
+  note(uav, stream.head->message);
+  out->step = std::move(stream.head->message.step);
+  stream.head.reset();
+  stream.stopped = true;
+  finish(uav);
+  return out;
+}
+
+/// Of an agent that is waited for: that it has been for too long.
+bool SeamSteps::isSilent(std::size_t uav) {
+  const double now = wallSeconds();
+  if (!said_ && now - waiting_since_ > kSay_s) {
+    logInfo("waiting for " + streams_[uav].path.string());
+    said_ = true;
+  }
+  double since = waiting_since_;
+  if (follows())  // whoever goes on shows that the flight does
+    for (const Stream& stream : streams_) since = std::max(since, stream.grown_s);
+  return now - since > longestWait();
+}
+
+void SeamSteps::stop(std::size_t uav) {
+  Stream& stream = streams_[uav];
+  const SeamHello& hello = hellos_[uav];
+  stream.stopped = true;
+  const double waited_s = longestWait();
+  const std::string of = hello.photos ? fmt::format(" of {}", *hello.photos) : std::string();
   warnings_.push_back(
-      fmt::format("{}: its agent has not gone on for {:.0f} s, after {} of {} photos; the map is "
-                  "made without the rest",
-                  hellos_[uav].name, wait_s_, photos, hellos_[uav].photos.size()));
+      stream.greeted
+          ? fmt::format("{}: its agent has not gone on for {:.0f} s, after {}{} photos; the map is "
+                        "made without the rest",
+                        hello.name, waited_s, stream.came, of)
+          : fmt::format("{}: no agent has written {} within {:.0f} s", hello.name,
+                        stream.path.string(), waited_s));
   logWarning(warnings_.back());
 }
 
 /// What is told of the UAV if nothing more of it comes.
-void SeamSteps::note(std::size_t uav, const ChainStep& step, const Place& place) {
+void SeamSteps::note(std::size_t uav, const SeamStep& message) {
+  const ChainStep& step = message.step;
   SeamDone& done = streams_[uav].done;
   done.gnss = step.gnss;
   if (step.segments) done.segments = static_cast<int>(step.segments->size());
-  if (!isLast(place)) {
-    PhotoRecord& record = done.photos[place.photo];
+  if (message.photo) {
+    PhotoRecord& record = done.photos.emplace_back();
+    record.name = message.photo->name;
+    record.time = message.photo->time;
     record.reason = step.newest ? "its agent had stopped before it was done" : "damaged";
     if (!step.newest) record.status = PhotoStatus::kDamaged;
   }
@@ -196,14 +283,21 @@ void SeamSteps::note(std::size_t uav, const ChainStep& step, const Place& place)
   }
 }
 
+/// An agent says that it is done right after its last step.
 void SeamSteps::finish(std::size_t uav) {
   Stream& stream = streams_[uav];
-  auto message = await(stream);
-  if (!message) return stop(uav, hellos_[uav].photos.size());
+  std::optional<SeamMessage> message;
+  for (const double since = wallSeconds(); !(message = stream.reader.next());
+       std::this_thread::sleep_for(kPoll))
+    if (wallSeconds() - since > options_.wait_s) return stop(uav);
   auto* done = std::get_if<SeamDone>(&*message);
-  if (done == nullptr || !fits(*done, hellos_[uav]))
-    refuse(stream.path, "its messages do not fit together");
+  if (done == nullptr || !fits(*done, static_cast<std::uint16_t>(uav), stream.came))
+    refuse(stream.path, kUnfit);
   stream.done = std::move(*done);
+  for (const std::string& warning : stream.done.warnings) {
+    warnings_.push_back(hellos_[uav].name + ": " + warning);
+    logWarning(warnings_.back());
+  }
 }
 
 std::vector<SeamDone> SeamSteps::done() {

@@ -6,7 +6,7 @@ namespace cf {
 
 std::size_t StepSource::photoCount() const {
   std::size_t count = 0;
-  for (const SeamHello& hello : hellos_) count += hello.photos.size();
+  for (const SeamHello& hello : hellos_) count += hello.photos.value_or(1);
   return count;
 }
 

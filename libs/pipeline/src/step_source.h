@@ -34,9 +34,9 @@ class StepSource {
   StepSource(const StepSource&) = delete;
   StepSource& operator=(const StepSource&) = delete;
 
-  /// What each UAV has said first; of one that is followed, photos and camera are still to come.
+  /// What each UAV has said first; of one that has said nothing yet its number and name.
   const std::vector<SeamHello>& hellos() const { return hellos_; }
-  /// Of all UAVs, known from the start.
+  /// Of all UAVs, as far as it is known at the start; of a recording that grows at least one.
   virtual std::size_t photoCount() const;
   /// More may come.
   virtual bool follows() const { return false; }

@@ -21,17 +21,27 @@ class SeamWriter {
  public:
   /// Replaces what was there. Without a path it only counts what it would write.
   explicit SeamWriter(std::filesystem::path path = {});
+  /// Goes on with a file that breaks off, if it is there: write() is given all messages again from
+  /// the first, and those that the file holds must be the same bytes; of the Hello what it says of
+  /// the UAV and its world. Throws RunError where they are not.
+  static SeamWriter goOn(const std::filesystem::path& path);
 
   void write(const SeamMessage& message);
   std::uint64_t bytes() const { return bytes_; }
 
  private:
   void append(const std::string& bytes);
+  void compare(const std::string& bytes) const;
+  [[noreturn]] void refuse() const;
 
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_{nullptr, &std::fclose};
   SeamEncoder encoder_;
   std::uint64_t bytes_ = 0;
+  /// Of a file that is gone on with: how much of it holds, and its first message and where it ends.
+  std::uint64_t kept_ = 0;
+  std::optional<SeamHello> hello_;
+  std::uint64_t hello_end_ = 0;
 };
 
 /// Reads such a file, also while it grows.
@@ -54,7 +64,9 @@ class SeamReader {
   std::optional<std::uint64_t> size();
   bool begin(std::uint64_t size);
   void read(void* to, std::uint64_t offset, std::size_t bytes) const;
-  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void becameShorter() const;
+  [[noreturn]] void fail(const std::string& what,
+                         const char* advice = "let its UAV write it again") const;
 
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_{nullptr, &std::fclose};

@@ -21,20 +21,28 @@
 
 namespace cf {
 
-/// The first that a UAV says: who it is and what it is going to process.
+/// The first that a UAV says: who it is and where it begins.
 struct SeamHello {
+  std::uint16_t uav = 0;
+  std::string name;
+  std::optional<std::size_t> photos;  ///< in its recording; none: that still grows, and has one
+  std::optional<GnssFix> first_fix;   ///< with its datum
+  /// Of the world that it georeferences in: latitude, longitude [deg], height [m]. None: no fix.
+  std::optional<Eigen::Vector3d> origin;
+  std::vector<std::string> warnings;  ///< about the recording, as far as they are known
+  TimeNs next_from = 0;               ///< no photo of an earlier time will come
+};
+
+/// A photo that a UAV has processed, or what was left after its last.
+struct SeamStep {
   struct Photo {
     std::string name;  ///< original base name with extension
     TimeNs time = 0;
+    CameraModel camera;  ///< as given
   };
-  std::uint16_t uav = 0;
-  std::string name;
-  CameraModel camera;                ///< as given
-  std::vector<Photo> photos;         ///< in time order
-  std::optional<GnssFix> first_fix;  ///< with its datum
-  /// Of the world that it georeferences in: latitude, longitude [deg], height [m]. None: no fix.
-  std::optional<Eigen::Vector3d> origin;
-  std::vector<std::string> warnings;  ///< about the recording
+  ChainStep step;
+  std::optional<Photo> photo;  ///< none: what was left after the last
+  TimeNs next_from = 0;        ///< as in SeamHello
 };
 
 /// The last that a UAV says: what the report tells of it.
@@ -45,12 +53,13 @@ struct SeamDone {
   std::vector<ScaleRow> scale_history;      ///< in time order
   GnssQuality gnss;
   int segments = 0;
-  std::string pose_graph;  ///< MRPT's text form
+  std::string pose_graph;             ///< MRPT's text form
+  std::vector<std::string> warnings;  ///< about the recording, that the Hello did not tell
 };
 
 /// What crosses the seam between one UAV's agent and the central node
 /// (libs/formats/proto/seam.proto, docs/seam.md).
-using SeamMessage = std::variant<SeamHello, ChainStep, SeamDone>;
+using SeamMessage = std::variant<SeamHello, SeamStep, SeamDone>;
 
 /// Messages of one UAV to bytes, in order: of the segments, a step holds only what has changed
 /// since the step before.

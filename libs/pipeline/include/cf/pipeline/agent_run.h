@@ -17,6 +17,7 @@ struct AgentRequest {
   std::string uav;             ///< name in the configuration
   std::filesystem::path seam;  ///< folder in which its messages go to <uav>.seam
   bool overwrite = false;      ///< of an earlier file
+  bool resume = false;         ///< go on with the file that an interrupted agent has left
 };
 
 struct AgentSummary {
@@ -25,7 +26,8 @@ struct AgentSummary {
   std::filesystem::path file;
 };
 
-/// Plays the UAV's rawlog. Throws UsageError for a bad configuration, and where the origin of the
+/// Plays the UAV's rawlog, or follows it while it grows. Resumed, the rawlog is played from its
+/// start, and what the file holds already is compared instead of written. Throws UsageError for a bad configuration, and where the origin of the
 /// world that all share is not known; RunError for what cannot be read or written.
 AgentSummary runAgent(Config& config, const AgentRequest& request);
 
