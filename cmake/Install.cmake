@@ -52,15 +52,15 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME clusterfusion)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # Found when needed, not linked: EGL and Mesa's software driver draw the pictures.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libegl1, libegl-mesa0, libgl1-mesa-dri")
-set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "${PROJECT_DESCRIPTION}
- cf-import makes recordings of photos, cf-run maps them, cf-snapshot draws
- the map, cf-eval measures it against references, ground points, or an
- earlier map, cf-simulate flies over made-up towns. A demo is in
- /usr/share/clusterfusion.")
+set(CPACK_DEBIAN_RUNTIME_DESCRIPTION 
+"cf-import makes recordings of photos, cf-run maps them, cf-snapshot draws
+the map, cf-eval measures it against references, ground points, or an
+earlier map, cf-simulate flies over made-up towns. A demo is in
+/usr/share/clusterfusion.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME clusterfusion-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${dev_depends}")
-set(CPACK_DEBIAN_DEV_DESCRIPTION "${PROJECT_DESCRIPTION}: libraries
- Static libraries and headers of ClusterFusion, for
- find_package(clusterfusion) in CMake.")
+set(CPACK_DEBIAN_DEV_DESCRIPTION 
+"Static libraries and headers of ClusterFusion, for
+find_package(clusterfusion) in CMake.")
 include(CPack)
