@@ -17,6 +17,7 @@ TEST(Time, knownTexts) {
   EXPECT_EQ(timeText(1466699519'000000000), "1466699519.000000000");
   EXPECT_EQ(timeText(1), "0.000000001");
   EXPECT_EQ(timeText(-1500000000), "-1.500000000");
+  EXPECT_EQ(timeText(std::numeric_limits<TimeNs>::min()), "-9223372036.854775808");
   EXPECT_EQ(timeFromText("1466699519.25"), 1466699519'250000000);
   EXPECT_EQ(timeFromText("12"), 12 * kNsPerSecond);
   EXPECT_EQ(timeFromText("-0.000000001"), -1);

@@ -2,26 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cf/base/error.h"
 
-#include <cctype>
 #include <cstdio>
 #include <exception>
-#include <sstream>
+
+#include "cf/base/text.h"
 
 namespace cf {
 namespace {
 
-/// Names of files and what they hold are shown as they are, but for control characters.
-std::string printable(std::string text) {
-  for (char& c : text)
-    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
-  return text;
-}
-
 /// Other libraries' messages may have several lines.
 std::string oneLine(const char* text) {
-  std::istringstream words(text);
-  std::string line, word;
-  while (words >> word) line += (line.empty() ? "" : " ") + word;
+  std::string line;
+  for (const std::string& word : wordsOf(text)) line += (line.empty() ? "" : " ") + word;
   return line;
 }
 

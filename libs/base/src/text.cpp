@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cf/base/text.h"
 
+#include <cctype>
+#include <charconv>
 #include <cmath>
-#include <locale>
 #include <sstream>
+#include <system_error>
 
 namespace cf {
 
@@ -23,13 +25,19 @@ std::vector<std::string> wordsOf(const std::string& text) {
 }
 
 std::optional<double> numberFrom(const std::string& text) {
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
+  const std::string token = trimmed(text);
+  const bool plus = token.size() > 1 && token[0] == '+' && token[1] != '-';
+  const char* const end = token.data() + token.size();
   double value = 0;
-  if (!(in >> value) || !std::isfinite(value)) return std::nullopt;
-  char rest = 0;
-  if (in >> rest) return std::nullopt;
+  const auto [stop, error] = std::from_chars(token.data() + (plus ? 1 : 0), end, value);
+  if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
   return value;
+}
+
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
+  return text;
 }
 
 }  // namespace cf

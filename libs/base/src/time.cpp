@@ -15,7 +15,8 @@ namespace cf {
 
 std::string timeText(TimeNs t) {
   const bool negative = t < 0;
-  const auto magnitude = static_cast<std::uint64_t>(negative ? -t : t);
+  const auto bits = static_cast<std::uint64_t>(t);
+  const std::uint64_t magnitude = negative ? 0 - bits : bits;  // the most negative time has no -t
   return fmt::format("{}{}.{:09}", negative ? "-" : "", magnitude / kNsPerSecond,
                      magnitude % kNsPerSecond);
 }

@@ -7,19 +7,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
+#include <system_error>
+
+#include "cf/base/text.h"
 
 namespace cf {
 namespace {
-
-/// std::from_chars over the whole text, in the C locale; a leading '+' is allowed.
-template <class T>
-bool parseAll(const std::string& text, T& value) {
-  const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
-  const char* begin = text.data() + (plus ? 1 : 0);
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  return error == std::errc() && stop == end;
-}
 
 bool inside(double value, Range range) { return value >= range.min && value <= range.max; }
 
@@ -30,16 +24,19 @@ Failure outOfRange(Range range) {
 }  // namespace
 
 Result<double> numberFromText(const std::string& text, Range range) {
-  double value = 0;
-  if (!parseAll(text, value) || !std::isfinite(value))
-    return Failure{"not_a_number", "is not a number"};
-  if (!inside(value, range)) return outOfRange(range);
-  return value;
+  const std::optional<double> value = numberFrom(text);
+  if (!value) return Failure{"not_a_number", "is not a number"};
+  if (!inside(*value, range)) return outOfRange(range);
+  return *value;
 }
 
 Result<int> integerFromText(const std::string& text, Range range) {
+  const char* begin = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-' ? 1 : 0);
+  const char* end = text.data() + text.size();
   int value = 0;
-  if (!parseAll(text, value)) return Failure{"not_an_integer", "is not a whole number"};
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (error != std::errc() || stop != end)
+    return Failure{"not_an_integer", "is not a whole number"};
   if (!inside(value, range)) return outOfRange(range);
   return value;
 }
