@@ -151,6 +151,21 @@ TEST_F(Rawlog, ANameOtherThanTheFilesComesBack) {
   EXPECT_EQ(r.photos[0].file, photo.file);
 }
 
+TEST_F(Rawlog, ALineBreakInAFilesNameCostsNoneOfItsNote) {
+  ImageFrame photo = fullPhoto(path_, 0);
+  photo.file = imagesFolderOf(path_) / "two\nlines.jpg";
+  {
+    RawlogWriter writer(path_);
+    writer.write(photo);
+    writer.finish();
+  }
+  const UavRecording r = readRecording(path_);
+  ASSERT_EQ(r.photos.size(), 1u);
+  EXPECT_EQ(r.photos[0].file, photo.file);
+  EXPECT_EQ(r.photos[0].camera.focal_sigma, photo.camera.focal_sigma);
+  EXPECT_EQ(r.photos[0].height_above_ground_m, photo.height_above_ground_m);
+}
+
 TEST_F(Rawlog, TimesAreRoundedDownToMrptsTicks) {
   GnssFix fix = fullFix(0);
   fix.time = 1466699519'123'456'789;
@@ -199,6 +214,18 @@ TEST_F(Rawlog, AnythingElseThanARawlogIsAnErrorThatNamesIt) {
 
 TEST_F(Rawlog, WithoutFinishNoFileIsLeft) {
   { RawlogWriter(path_).write(fullFix(0)); }
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST_F(Rawlog, WhatCannotBeGivenItsNameIsNotLeftEither) {
+  std::filesystem::create_directory(path_);
+  {
+    RawlogWriter writer(path_);
+    writer.write(fullFix(0));
+    EXPECT_THROW(writer.finish(), RunError);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(path_));
+  std::filesystem::remove(path_);
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 

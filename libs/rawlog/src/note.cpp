@@ -4,11 +4,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <sstream>
 #include <vector>
+
+#include "cf/base/text.h"
 
 namespace cf {
 namespace {
@@ -17,23 +16,21 @@ constexpr const char* kFirstLine = "clusterfusion note 1";
 // Beyond these a value is damaged.
 constexpr double kMost = 1e6, kLeastSigma_m = 1e-5;
 
-/// All numbers of a text, or none if any part of it is not a finite number.
-std::vector<double> numbers(const std::string& text) {
-  std::vector<double> values;
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  for (double value = 0; in >> value;) {
-    if (!std::isfinite(value)) return {};
-    values.push_back(value);
-  }
-  if (!in.eof()) return {};
-  return values;
+std::optional<double> number(const std::string& text, double min, double max) {
+  const std::optional<double> value = numberFrom(text);
+  return value && *value >= min && *value <= max ? value : std::nullopt;
 }
 
-std::optional<double> number(const std::string& text, double min, double max) {
-  const std::vector<double> values = numbers(text);
-  if (values.size() != 1 || values[0] < min || values[0] > max) return std::nullopt;
-  return values[0];
+std::optional<Eigen::Vector3d> sigmas(const std::string& text) {
+  const std::vector<std::string> words = wordsOf(text);
+  if (words.size() != 3) return std::nullopt;
+  Eigen::Vector3d out;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto sigma = number(words[static_cast<std::size_t>(axis)], kLeastSigma_m, kMost);
+    if (!sigma) return std::nullopt;
+    out[axis] = *sigma;
+  }
+  return out;
 }
 
 std::optional<HeightDatum> datumFromText(const std::string& text) {
@@ -57,12 +54,7 @@ void set(Note& note, const std::string& key, const std::string& value) {
     const std::optional<double> version = number(value, 0, kMost);
     if (version) note.camera_version = static_cast<unsigned>(*version);
   }
-  if (key == "sigma_enu_m") {
-    const std::vector<double> v = numbers(value);
-    if (v.size() == 3 && *std::min_element(v.begin(), v.end()) >= kLeastSigma_m &&
-        *std::max_element(v.begin(), v.end()) <= kMost)
-      note.sigma_enu_m = Eigen::Vector3d(v[0], v[1], v[2]);
-  }
+  if (key == "sigma_enu_m") note.sigma_enu_m = sigmas(value);
 }
 
 }  // namespace
@@ -72,9 +64,9 @@ std::string noteText(const Note& note) {
   const auto line = [&text](const char* key, const auto& value) {
     text += fmt::format("{} = {}\n", key, value);  // shortest form that reads back exactly
   };
-  if (!note.sensor.empty()) line("sensor", note.sensor);
-  if (!note.image.empty()) line("image", note.image);
-  if (note.name) line("name", *note.name);
+  if (!note.sensor.empty()) line("sensor", printable(note.sensor));
+  if (!note.image.empty()) line("image", printable(note.image));
+  if (note.name) line("name", printable(*note.name));
   if (note.focal_sigma_px) line("focal_sigma_px", *note.focal_sigma_px);
   if (note.k1_sigma) line("k1_sigma", *note.k1_sigma);
   if (note.k2_sigma) line("k2_sigma", *note.k2_sigma);

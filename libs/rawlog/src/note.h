@@ -13,7 +13,8 @@ namespace cf {
 /// What a CObservationImage or CObservationGPS has no field for. Travels as text in a
 /// CObservationComment with the time of what it belongs to (MRPT 2.5.8 does not store the sensor
 /// label of comments, so that stands in the text): a first line "clusterfusion note 1", then "key =
-/// value" lines (docs/rawlog.md).
+/// value" lines (docs/rawlog.md). Texts are those of printable(), or a line break in a file name
+/// would end theirs.
 struct Note {
   std::string sensor;  ///< label of the observation that it belongs to
   // of a photo
@@ -29,6 +30,7 @@ struct Note {
   bool end = false;  ///< nothing follows
 };
 
+/// Text of the comment.
 std::string noteText(const Note& note);
 
 /// Nothing if the text is no note of ours. Unknown keys are skipped; values that do not parse are

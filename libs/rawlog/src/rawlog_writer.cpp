@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "cf/base/disk.h"
 #include "cf/base/error.h"
 #include "mrpt_time.h"
 #include "note.h"
@@ -110,7 +111,7 @@ std::filesystem::path imagesFolderOf(const std::filesystem::path& rawlog) {
 struct RawlogWriter::Impl {
   std::filesystem::path path, unfinished, images;
   RawlogLabels labels;
-  bool at_once = false;
+  bool at_once = false, finished = false;
   GzOutput file;
   TimeNs last = 0;
 
@@ -151,9 +152,8 @@ RawlogWriter::RawlogWriter(const std::filesystem::path& rawlog, const RawlogLabe
 }
 
 RawlogWriter::~RawlogWriter() {
-  if (!impl_->file.isOpen()) return;
-  impl_->file.close();
-  if (impl_->at_once) return;
+  if (impl_->file.isOpen()) impl_->file.close();
+  if (impl_->at_once || impl_->finished) return;
   std::error_code ignored;
   std::filesystem::remove(impl_->unfinished, ignored);
 }
@@ -204,10 +204,12 @@ void RawlogWriter::finish() {
   impl_->put(note, impl_->last, {});
   if (!impl_->file.close()) impl_->fail();
   if (impl_->at_once) return;
+  if (!syncFile(impl_->unfinished)) impl_->fail();
   std::error_code failed;
   std::filesystem::rename(impl_->unfinished, impl_->path, failed);
   if (failed)
     throw RunError(fmt::format("{} cannot be written: {}", impl_->path.string(), failed.message()));
+  impl_->finished = true;
 }
 
 }  // namespace cf

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
 
 #include "cf/base/error.h"
+#include "cf/base/text.h"
 #include "mrpt_time.h"
 #include "note.h"
 
@@ -23,13 +23,6 @@ namespace fs = std::filesystem;
 // held within these.
 constexpr double kForeignFocalSigma = 0.01;  // of the focal length
 constexpr double kForeignDistortionSigma = 0.02;
-
-/// Fit for one line of a report.
-std::string printable(std::string text) {
-  for (char& c : text)
-    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
-  return text;
-}
 
 /// That a sensor can be chosen among those that occur.
 void checkLabel(const std::set<std::string>& occurring, const std::string& wanted, const char* key,
@@ -148,9 +141,10 @@ class RecordingBuilder::Companions {
 
   /// `image` is empty for a fix.
   Note takeNote(mrpt::Clock::time_point t, const std::string& label, const std::string& image) {
-    const auto [begin, end] = notes_.equal_range({t, label});
+    const auto [begin, end] = notes_.equal_range({t, printable(label)});
+    const std::string name = printable(image);
     for (auto it = begin; it != end; ++it)
-      if (it->second.image == image) return notes_.extract(it).mapped();
+      if (it->second.image == name) return notes_.extract(it).mapped();
     return {};
   }
 
