@@ -170,6 +170,23 @@ TEST(AlignPointsRobust, BearsFortyPercentOutliers) {
   }
 }
 
+/// Of very many pairs a sample with an outlier agrees with a few by chance: it must not end the
+/// search.
+TEST(AlignPointsRobust, GoesOnAfterABadSampleOfManyPairs) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    Random random(seed);
+    const Sim3 truth = random.similarity(AlignmentModel::kSim3);
+    const Points b = random.cloud(5000, {50, 30, 10});
+    Points a = mapped(truth, b);
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (i % 5 < 2) a[i] += random.normal3(60 * truth.scale);
+    const auto fit =
+        alignPointsRobust(a, b, AlignmentModel::kSim3, 3 * truth.scale, 2500, seed + 1);
+    ASSERT_TRUE(fit.ok()) << seed << ": " << fit.failure().detail;
+    EXPECT_NEAR(fit->inliers, 3000, 10) << seed;
+  }
+}
+
 TEST(AlignPointsRobust, FailsWhereTooFewAgree) {
   Random random(5);
   const Points b = random.cloud(100, {50, 30, 10}), a = random.cloud(100, {50, 30, 10});

@@ -184,6 +184,7 @@ double disparityOf(const DepthFrame& frame, ushort stored) {
 MapPoints triangulateDepth(const DepthFrame& frame, const PosedCamera& reference_now,
                            const PosedCamera& partner_now,
                            const DepthTriangulationOptions& options) {
+  CV_Assert(frame.colour.type() == CV_8UC3 && frame.colour.size() == frame.disparity.size());
   const RayField reference_field(frame.reference_view, frame.reference_camera, reference_now);
   const RayField partner_field(frame.partner_view, frame.partner_camera, partner_now);
   RowRays reference_rays(reference_field), partner_rays(partner_field);

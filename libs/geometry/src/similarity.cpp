@@ -10,6 +10,9 @@
 namespace cf {
 namespace {
 
+constexpr int kMostRounds = 500;
+constexpr double kMissed = 1e-6;  ///< chance that no sample was without outlier
+
 struct Moments {
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero(), mean_b = Eigen::Vector3d::Zero();
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();  ///< sum w (a - mean_a)(b - mean_b)'
@@ -63,11 +66,6 @@ Result<Sim3> alignPoints(const std::vector<Eigen::Vector3d>& a,
   return S;
 }
 
-namespace {
-constexpr int kMostRounds = 500;
-constexpr double kMissed = 1e-6;  ///< chance that no sample was without outlier
-}  // namespace
-
 Result<RobustAlignment> alignPointsRobust(const std::vector<Eigen::Vector3d>& a,
                                           const std::vector<Eigen::Vector3d>& b,
                                           AlignmentModel model, double threshold, int min_inliers,
@@ -108,7 +106,8 @@ Result<RobustAlignment> alignPointsRobust(const std::vector<Eigen::Vector3d>& a,
     best = std::move(candidate);
     const double share = static_cast<double>(best.inliers) / static_cast<double>(a.size());
     const double pure = std::pow(share, static_cast<double>(sample));  // a sample without outlier
-    rounds = std::min(rounds, static_cast<int>(std::log(kMissed) / std::log1p(-pure)) + 1);
+    const double enough = std::log(kMissed) / std::log1p(-pure);  // beyond any int for few inliers
+    if (enough < rounds) rounds = static_cast<int>(enough) + 1;
   }
   for (int round = 0; round < 5 && best.inliers >= min_inliers; ++round) {
     const auto S = alignPoints(subsetOf(a, best.inlier), subsetOf(b, best.inlier), model);

@@ -14,11 +14,11 @@ struct DepthTriangulationOptions {
   double disparity_sigma_px = 0.3;
 };
 
-/// The points of a depth frame with the poses and cameras as known now. Both rays of each match are
-/// turned from the rectified views to their photos; where a camera has been refined since matching,
-/// they go through the old model's distortion back to the photo's pixel and out through the new
-/// one. The point is the middle of the shortest segment between the two rays, relative to the
-/// reference camera.
+/// The points of a depth frame, which must hold its colour, with the poses and cameras as known
+/// now. Both rays of each match are turned from the rectified views to their photos; where a camera
+/// has been refined since matching, they go through the old model's distortion back to the photo's
+/// pixel and out through the new one. The point is the middle of the shortest segment between the
+/// two rays, relative to the reference camera.
 /// Weight: inverse variance along the reference ray [1/m^2] by sigma_Z = Z^2 / (f b) sigma_d, times
 /// confidence / 255. Rays that meet behind a camera or nowhere give no point.
 MapPoints triangulateDepth(const DepthFrame& frame, const PosedCamera& reference_now,
