@@ -63,6 +63,10 @@ TEST(AlignPatch, RefusesWhatDoesNotFit) {
   const Eigen::Vector2d at(70, 55);
   ASSERT_TRUE(alignPatch(reference, at, reference, at, same, 2));
   EXPECT_FALSE(alignPatch(reference, {3, 3}, reference, {3, 3}, same, 2)) << "at the border";
+  // Its last pixels lie a hair before the last of the photo, where floats cannot tell them apart.
+  EXPECT_FALSE(
+      alignPatch(reference, {149, 109}, view(same, {2, 2}, 1), {151 - 1e-8, 111 - 1e-8}, same, 2))
+      << "beyond the last pixel";
   const cv::Mat blank(120, 160, CV_8UC1, cv::Scalar(90));
   EXPECT_FALSE(alignPatch(blank, at, blank, at, same, 2)) << "no texture";
   EXPECT_FALSE(alignPatch(reference, at, blank, at, same, 2)) << "nothing alike";

@@ -78,7 +78,7 @@ CF_CLONES void sample(const Plane& plane, const Axes& axes, const float* u, cons
 
 /// Direction of a vector, 0 to 1 turn: the arc tangent, interpolated at six Chebyshev nodes over
 /// the first octant (within 5e-7 turns).
-inline float turnsOf(float dx, float dy) {
+CF_INLINE float turnsOf(float dx, float dy) {
   const float ax = dx < 0 ? -dx : dx, ay = dy < 0 ? -dy : dy;
   const float small = ax < ay ? ax : ay, large = ax < ay ? ay : ax;
   const float t = small / (large + 1e-20f), t2 = t * t;
@@ -167,7 +167,7 @@ CF_CLONES void spreadOverBins(const float* magnitude, const float* angle, int co
 }
 
 /// to += weight * from
-inline void addScaled(const float* from, float weight, int count, float* to) {
+CF_INLINE void addScaled(const float* from, float weight, int count, float* to) {
   for (int i = 0; i < count; ++i) to[i] += weight * from[i];
 }
 

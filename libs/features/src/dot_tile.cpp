@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dot_tile.h"
 
-#include <immintrin.h>
-
 #include <cstring>
 #include <numeric>
 
-#include "plane.h"
+#include "cf/base/instruction_sets.h"
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 namespace cf {
 namespace {
@@ -15,6 +16,9 @@ namespace {
 constexpr int kD = FeatureSet::kDescriptorSize;
 constexpr int kPack = 16;  ///< descriptors whose products fill one register
 constexpr int kQuads = kD / 4;
+
+#if defined(__x86_64__)
+bool hasByteProducts() { return __builtin_cpu_supports("avx512vnni") != 0; }
 
 /// Byte products, AVX-512 VNNI: 8 x 32 sums stay in 16 registers.
 __attribute__((target("avx512f,avx512vnni"))) void byteProducts(const std::int8_t* a,
@@ -43,6 +47,12 @@ __attribute__((target("avx512f,avx512vnni"))) void byteProducts(const std::int8_
   }
 }
 
+#else
+bool hasByteProducts() { return false; }
+
+void byteProducts(const std::int8_t*, const std::uint8_t*, const std::int32_t*, std::int32_t*) {}
+#endif
+
 CF_CLONES void wideProducts(const std::int16_t* a, const std::int16_t* b, std::int32_t* out) {
   for (int j = 0; j < kTileColumns; ++j)
     for (int r = 0; r < kTileRows; ++r) {
@@ -59,7 +69,7 @@ int tilesOf(std::size_t count, int size) { return (static_cast<int>(count) + siz
 DotTiles::DotTiles(const FeatureSet& a, const FeatureSet& b)
     : tile_rows_(tilesOf(a.size(), kTileRows)),
       tile_columns_(tilesOf(b.size(), kTileColumns)),
-      has_byte_products_(__builtin_cpu_supports("avx512vnni")) {
+      has_byte_products_(hasByteProducts()) {
   const auto rows = static_cast<std::size_t>(tile_rows_ * kTileRows);
   const auto columns = static_cast<std::size_t>(tile_columns_ * kTileColumns);
   if (!has_byte_products_) {

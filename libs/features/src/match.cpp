@@ -7,8 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "cf/base/instruction_sets.h"
 #include "dot_tile.h"
-#include "plane.h"
 
 namespace cf {
 namespace {
@@ -32,12 +32,12 @@ std::vector<std::int32_t> squaredNorms(const FeatureSet& set, int padded) {
 constexpr int kLanes = 16;
 using Lanes = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
-[[gnu::always_inline]] inline Lanes load(const std::int32_t* from) {
+CF_INLINE Lanes load(const std::int32_t* from) {
   Lanes lanes;
   std::memcpy(&lanes, from, sizeof lanes);
   return lanes;
 }
-[[gnu::always_inline]] inline void store(const Lanes& lanes, std::int32_t* to) {
+CF_INLINE void store(const Lanes& lanes, std::int32_t* to) {
   std::memcpy(to, &lanes, sizeof lanes);
 }
 

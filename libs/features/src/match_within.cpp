@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "cf/base/instruction_sets.h"
 #include "cf/features/match.h"
-#include "plane.h"
 
 namespace cf {
 namespace {

@@ -11,7 +11,7 @@
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
-#include "plane.h"
+#include "cf/base/instruction_sets.h"
 
 namespace cf {
 namespace {
@@ -34,14 +34,14 @@ using Normal = Eigen::Matrix<double, kParameters, kParameters>;
 using Pixels = std::array<float, kPadded>;
 using Lanes = float __attribute__((vector_size(sizeof(float) * kLanes)));
 
-[[gnu::always_inline]] inline Lanes load(const float* from) {
+CF_INLINE Lanes load(const float* from) {
   Lanes lanes;
   std::memcpy(&lanes, from, sizeof lanes);
   return lanes;
 }
 
 /// Always in the same order.
-[[gnu::always_inline]] inline float sumOf(const Lanes& lanes) {
+CF_INLINE float sumOf(const Lanes& lanes) {
   float sums[kLanes];
   std::memcpy(sums, &lanes, sizeof sums);
   for (int half = kLanes / 2; half > 0; half /= 2)
@@ -105,14 +105,18 @@ CF_CLONES float differ(const float* weights, const float* seen, const float* wan
 bool sample(const cv::Mat& grey, const Eigen::Vector2d& middle, const Eigen::Matrix2d& A, int side,
             float* out) {
   const double r = side / 2;
-  for (const double sx : {-r, r})
-    for (const double sy : {-r, r}) {
-      const Eigen::Vector2d corner = middle + A * Eigen::Vector2d(sx, sy);
-      if (!(corner.x() >= 0 && corner.y() >= 0 && corner.x() < grey.cols - 1 &&
-            corner.y() < grey.rows - 1))
+  const auto dx = static_cast<float>(A(0, 0)), dy = static_cast<float>(A(1, 0));
+  // The corners in the floats of the loop below: rounding must not lead it beyond the last pixel.
+  for (const int row : {0, side - 1}) {
+    const Eigen::Vector2d begin = middle + A * Eigen::Vector2d(-r, row - r);
+    for (const int column : {0, side - 1}) {
+      const float x = static_cast<float>(begin.x()) + dx * static_cast<float>(column);
+      const float y = static_cast<float>(begin.y()) + dy * static_cast<float>(column);
+      if (!(x >= 0 && y >= 0 && x < static_cast<float>(grey.cols - 1) &&
+            y < static_cast<float>(grey.rows - 1)))
         return false;
     }
-  const auto dx = static_cast<float>(A(0, 0)), dy = static_cast<float>(A(1, 0));
+  }
   const auto step = static_cast<std::ptrdiff_t>(grey.step);
   for (int row = 0; row < side; ++row) {
     const Eigen::Vector2d begin = middle + A * Eigen::Vector2d(-r, row - r);

@@ -13,7 +13,7 @@ namespace cf {
 struct FeatureOptions {
   double megapixels = 1.0;  ///< size at which features are sought
   int max_features = 4000;  ///< per photo, spread over a grid
-  double contrast = 0.01;  ///< SIFT's contrast threshold
+  double contrast = 0.01;   ///< SIFT's contrast threshold
 
   void visit(OptionVisitor& v);
 };
