@@ -58,6 +58,14 @@ std::optional<RunArguments> runArguments(int argc, char** argv) {
   app.add_option("--uav", uav, "whose agent it is")->type_name("NAME");
   app.add_option("--seam", seam, "folder through which agents and central node speak: NAME.seam")
       ->type_name("DIR");
+  app.footer(
+      "Example:\n"
+      "  cf-run flight/config.ini -o map\n"
+      "  cf-run flight/config.ini -o look -s densify.megapixels=0.3 -s deliver.orthophoto=0   "
+      "quick\n"
+      "Out comes map/report.html (open this first), orthophoto.tif, dsm.tif, cloud/cloud.ply and "
+      ".las,\n"
+      "trajectories/, cameras/, octomap.ot, snapshots/. All settings: docs/config.md.");
   if (!parseArguments(app, argc, argv)) return std::nullopt;
   takeRole(role, uav, seam, outdir, arguments);
   arguments.request.version = CF_VERSION;
@@ -89,6 +97,7 @@ void printSummary(const RunRecord& run, const std::filesystem::path& outdir) {
   fmt::print("{:.1f} s ({:.2f} s per photo), peak memory {:.0f} MB\nwrote {}\n", run.wall_s,
              run.wall_s / static_cast<double>(std::max<std::size_t>(1, photos)), run.peak_rss_mb,
              outdir.string());
+  for (const std::string& line : doubts(run.self_check)) fmt::print("{}\n", line);
 }
 
 }  // namespace cf

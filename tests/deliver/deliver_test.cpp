@@ -110,7 +110,7 @@ RunRecord makeRun() {
   run.wall_s = 12.5;
   run.peak_rss_mb = 800;
   run.components = 1;
-  run.warnings = {"a warning with <angle> brackets"};
+  run.warnings = {Warning("a warning with <angle> brackets", "an <advice>")};
   return run;
 }
 

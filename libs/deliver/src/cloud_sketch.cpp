@@ -35,7 +35,7 @@ void CloudSketch::add(const Tile& tile) {
     points_.push_back({p.position_m + shift, {p.bgr[2], p.bgr[1], p.bgr[0]}});
     ranks_.push_back(rank);
     if (points_.size() <= kMost) continue;
-    limit_ /= 2;
+    limit_ = limit_ / 4 * 3;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < points_.size(); ++i)
       if (ranks_[i] <= limit_) {

@@ -71,7 +71,7 @@ void addPoints(const CloudSketch& cloud, const Extent& extent, Json& scene) {
   scene["positions"] = base64(positions.data(), positions.size());
   scene["colours"] = base64(colours.data(), colours.size());
   // About the distance of neighbours, if they lie on one surface.
-  scene["size"] = 2.6 * extent.reach_m / std::sqrt(static_cast<double>(cloud.points().size()));
+  scene["size"] = 5.0 * extent.reach_m / std::sqrt(static_cast<double>(cloud.points().size()));
 }
 
 /// A path for each segment of the flight.
@@ -127,6 +127,11 @@ std::string view3dHtml(const RunRecord& run) {
     legend += fmt::format("<span><i style=\"background:{}\"></i>{}</span>", colour,
                           markupEscaped(run.uavs[u].name));
   }
+  double top = extent.high_m;
+  for (const UavRecord& uav : run.uavs)
+    for (const PhotoPose& pose : uav.final_trajectory)
+      top = std::max(top, pose.T_world_cam.translation().z() - run.cloud.offset().z());
+  scene["top"] = top;
   scene["links"] = linksOf(run, run.cloud.offset());
   // Numbers and base64 alone: nothing in it could end the script element.
   return heading("The map in 3D") + kControls + "<div id=\"view\"></div>\n<div class=\"legend\">" +

@@ -35,7 +35,7 @@ std::string scaleFigure(const UavRecord& uav, const std::string& colour, TimeNs 
   constexpr double kMostPercent = 30;
   std::map<int, std::vector<const ScaleRow*>> segments;
   for (const ScaleRow& row : uav.scale_history) segments[row.segment].push_back(&row);
-  SvgPlot plot("minutes since the first photo", "scale, off its last value [%]");
+  SvgPlot plot("minutes since the first photo", "scale, off its last value [%]", 480);
   double most = 1;
   for (const auto& [segment, rows] : segments) {
     const double end = rows.back()->scale;
@@ -73,9 +73,10 @@ std::string scaleHtml(const RunRecord& run) {
 std::string gnssHtml(const RunRecord& run) {
   constexpr std::array<const char*, 3> kAxes = {"east", "north", "up"};
   const TimeNs start = startOf(run);
-  std::array<SvgPlot, 3> plots = {SvgPlot("minutes since the first photo", "east: fix − map [m]"),
-                                  SvgPlot("minutes since the first photo", "north: fix − map [m]"),
-                                  SvgPlot("minutes since the first photo", "up: fix − map [m]")};
+  std::array<SvgPlot, 3> plots = {
+      SvgPlot("minutes since the first photo", "east: fix − map [m]", 420),
+      SvgPlot("minutes since the first photo", "north: fix − map [m]", 420),
+      SvgPlot("minutes since the first photo", "up: fix − map [m]", 420)};
   std::vector<std::vector<std::string>> rows;
   for (std::size_t u = 0; u < run.uavs.size(); ++u) {
     const UavRecord& uav = run.uavs[u];

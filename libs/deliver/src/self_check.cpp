@@ -131,7 +131,7 @@ SelfCheck domingCheck(const RunRecord& run, double pixel_m) {
     check.grade = Grade::kAmber;
     return check;
   }
-  const double measured = std::max(0.0, bend.span_m - 2 * bend.sigma_m);
+  const double measured = std::max(0.0, bend.span_m - 3 * bend.sigma_m);
   check.value = std::max(measured, 2 * predicted.value_or(0));
   check = graded(check);
   if (!predicted && bend.sigma_m > check.green) atBest(Grade::kAmber, check);
@@ -154,7 +154,7 @@ SelfCheck lensCheck(const RunRecord& run) {
     check.green = kLensGreen * width;
     check.amber = kLensAmber * width;
     check.finding = fmt::format(
-        "{}: what all its photos have in common in a part of the picture is {:.2f} px (RMS) off; "
+        "what all photos of {} have in common in a part of the picture is {:.2f} px (RMS) off; "
         "single points {:.2f} px (median)",
         run.uavs[u].name, all[u].systematic_px, all[u].median_px);
   }
@@ -224,9 +224,9 @@ SelfCheck depthCheck(const RunRecord& run) {
   }
   check.value = static_cast<double>(run.cloud.confirmed()) / static_cast<double>(run.cloud.total());
   check.finding = fmt::format(
-      "{:.0f} % of {} points were measured at the same place by at least two "
-      "stereo pairs",
-      100 * *check.value, run.cloud.total());
+      "{:.0f} % of {:.2f} million points were measured at the same place by at "
+      "least two stereo pairs",
+      100 * *check.value, 1e-6 * static_cast<double>(run.cloud.total()));
   check.advice = "more overlap; points that one pair saw alone have views = 1 in cloud/tiles";
   return graded(check);
 }

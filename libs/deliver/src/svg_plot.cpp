@@ -13,7 +13,7 @@
 namespace cf {
 namespace {
 
-constexpr double kWidth = 640, kHeight = 260, kLeft = 62, kRight = 12, kTop = 26, kBottom = 42;
+constexpr double kHeight = 260, kLeft = 62, kRight = 12, kTop = 26, kBottom = 42;
 constexpr std::array<const char*, 8> kColours = {"#3b4252", "#c98a00", "#0081a7", "#b5179e",
                                                  "#3a8a2e", "#d1495b", "#6d597a", "#7a5c2e"};
 
@@ -41,17 +41,22 @@ std::string tickText(double value, double step) {
   return fmt::format("{:.{}f}", std::abs(value) < 1e-9 * step ? 0.0 : value, digits);
 }
 
-SvgPlot::SvgPlot(std::string x_label, std::string y_label)
-    : x_label_(std::move(x_label)), y_label_(std::move(y_label)) {}
+SvgPlot::SvgPlot(std::string x_label, std::string y_label, double width)
+    : x_label_(std::move(x_label)), y_label_(std::move(y_label)), width_(width) {}
 
 void SvgPlot::Axis::include(double value) {
-  if (fixed || !std::isfinite(value)) return;
+  if (fixed) return;
   low = std::min(low, value);
   high = std::max(high, value);
 }
 
 void SvgPlot::line(std::vector<PlotPoint> points, const std::string& colour,
                    const std::string& legend) {
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [](const PlotPoint& p) {
+                                return !std::isfinite(p.first) || !std::isfinite(p.second);
+                              }),
+               points.end());
   for (const auto& [px, py] : points) {
     x_.include(px);
     y_.include(py);
@@ -97,7 +102,7 @@ void SvgPlot::limitY(double low, double high) { y_ = {low, high, true}; }
 
 double SvgPlot::x(double value) const {
   const double span = std::max(x_.high - x_.low, 1e-12);
-  return kLeft + (kWidth - kLeft - kRight) * (value - x_.low) / span;
+  return kLeft + (width_ - kLeft - kRight) * (value - x_.low) / span;
 }
 
 double SvgPlot::y(double value) const {
@@ -137,13 +142,14 @@ std::string SvgPlot::shapeText(const Shape& shape) const {
 
 std::string SvgPlot::axesText() const {
   std::string svg;
-  const auto horizontal = ticksOf(y_.low, y_.high, 5), vertical = ticksOf(x_.low, x_.high, 8);
+  const auto horizontal = ticksOf(y_.low, y_.high, 5),
+             vertical = ticksOf(x_.low, x_.high, static_cast<int>(width_ / 80));
   const auto stepOf = [](const std::vector<double>& t) { return t.size() > 1 ? t[1] - t[0] : 1.0; };
   for (const double tick : horizontal)
     svg += fmt::format(
         "<path d=\"M{0},{1:.1f}H{2}\" stroke=\"#e3e5e8\"/><text x=\"{3}\" y=\"{4:.1f}\" "
         "text-anchor=\"end\">{5}</text>\n",
-        kLeft, y(tick), kWidth - kRight, kLeft - 6, y(tick) + 4,
+        kLeft, y(tick), width_ - kRight, kLeft - 6, y(tick) + 4,
         tickText(tick, stepOf(horizontal)));
   for (const double tick : vertical)
     svg += fmt::format(
@@ -151,10 +157,10 @@ std::string SvgPlot::axesText() const {
         "text-anchor=\"middle\">{3}</text>\n",
         x(tick), kHeight - kBottom, kHeight - kBottom + 17, tickText(tick, stepOf(vertical)));
   svg += fmt::format("<path d=\"M{},{}H{}\" stroke=\"#9aa0a6\"/>\n", kLeft, kHeight - kBottom,
-                     kWidth - kRight);
+                     width_ - kRight);
   svg += fmt::format(
       "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text><text x=\"0\" y=\"12\">{}</text>\n",
-      (kLeft + kWidth - kRight) / 2, kHeight - 6, markupEscaped(x_label_), markupEscaped(y_label_));
+      (kLeft + width_ - kRight) / 2, kHeight - 6, markupEscaped(x_label_), markupEscaped(y_label_));
   return svg;
 }
 
@@ -167,12 +173,12 @@ std::string SvgPlot::text() const {
     if (room.y_.low != 0) room.y_.low -= margin;
   }
   std::string svg =
-      fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\">\n", kWidth, kHeight) + room.axesText();
+      fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\">\n", width_, kHeight) + room.axesText();
   for (const auto& [value, label] : levels_)
     svg += fmt::format(
         "<path d=\"M{0},{1:.1f}H{2}\" stroke=\"#777\" stroke-dasharray=\"4 3\"/><text x=\"{3}\" "
         "y=\"{4:.1f}\" text-anchor=\"end\">{5}</text>\n",
-        kLeft, room.y(value), kWidth - kRight, kWidth - kRight - 2, room.y(value) - 4,
+        kLeft, room.y(value), width_ - kRight, width_ - kRight - 2, room.y(value) - 4,
         markupEscaped(label));
   std::string legend;
   for (const Shape& shape : shapes_) {

@@ -13,11 +13,12 @@ using PlotPoint = std::pair<double, double>;
 /// Colour of the n-th UAV on white, as "#rrggbb"; close to those of the snapshots.
 std::string uavColour(std::size_t n);
 
-/// An inline SVG chart with labelled axes. Give all that it shows, then take text().
+/// An inline SVG chart with labelled axes. Give all that it shows, then take text(). Points that are
+/// not finite are left out.
 class SvgPlot {
  public:
-  /// Labels with their units.
-  SvgPlot(std::string x_label, std::string y_label);
+  /// Labels with their units; letters are 12 where the whole is `width` wide.
+  SvgPlot(std::string x_label, std::string y_label, double width = 640);
 
   void line(std::vector<PlotPoint> points, const std::string& colour, const std::string& legend);
   void dots(std::vector<PlotPoint> points, const std::string& colour, const std::string& legend);
@@ -54,6 +55,7 @@ class SvgPlot {
   double y(double value) const;
 
   std::string x_label_, y_label_;
+  double width_;
   std::vector<Shape> shapes_;
   std::vector<std::pair<double, std::string>> levels_;
   Axis x_, y_;

@@ -6,6 +6,7 @@
 //   points   count; positions: base64 of uint16 x y z each, little endian, low + step * value
 //   colours  base64 of uint8 r g b each
 //   uavs     [{name, colour, paths: [[x y z …], …]}]; links: [x y z x y z …]
+//   middle, reach, heights, top  of the cloud, of most of its heights, of the highest camera
 // Metres, relative to one place; z is up.
 import {
   BufferAttribute, BufferGeometry, Color, Float32BufferAttribute, Line, LineBasicMaterial,
@@ -79,8 +80,8 @@ function start(box, data) {
   const draw = () => renderer.render(scene, camera);
   const look = (direction) => {
     const portrait = Math.max(1, box.clientHeight / box.clientWidth);
-    controls.target.copy(middle);
-    camera.position.copy(middle).addScaledVector(direction.normalize(), data.reach * 2.1 * portrait);
+    controls.target.copy(middle).setZ(middle.z + 0.35 * (data.top - middle.z));
+    camera.position.copy(controls.target).addScaledVector(direction.normalize(), 1.25 * Math.max(2.1 * data.reach, 1.6 * (data.top - middle.z)) * portrait);
     controls.update();
     draw();
   };
