@@ -206,6 +206,9 @@ TEST(Change, RunsThatCannotBeComparedAreRefusedInOneLine) {
   expectRefusal(temp, "cannot be compared");
   writeRun(temp / "b", kOff, false, 10, 57);
   expectRefusal(temp, "in common");
+  // Ground that is alike, but a quarter smaller.
+  writeRun(temp / "b", {{0, 0, 0}, {0, 0, 0}, 1.25}, false, 10);
+  expectRefusal(temp, "cannot be compared");
   fs::remove(temp / "b" / "dsm.tif");
   expectRefusal(temp, "deliver.dsm");
   writeFileAtomically(temp / "b" / "world.json", R"({"origin": null})");

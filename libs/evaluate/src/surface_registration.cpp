@@ -24,6 +24,8 @@ constexpr double kSample_m = 0.5;
 constexpr std::size_t kMaxSamples = 400'000;
 constexpr std::size_t kMinSamples = 800;  ///< 200 m^2
 constexpr double kLeastOverlap = 0.1, kLeastStable = 0.4;
+/// Beyond what receivers get wrong: other ground has been forced together.
+constexpr double kMostScale = 0.1, kMostTurn_deg = 10, kMostSpread_cells = 3;
 constexpr double kTukey = 4.685;
 constexpr double kLeastSpread_m = 0.005;
 constexpr double kBlock_m = 10;
@@ -193,6 +195,17 @@ Result<SurfaceRegistration> registerSurfaces(const RunSurface& fine_a, const Run
   if (r.samples < kMinSamples || r.stable_share < kLeastStable)
     return Failure{"unstable", fmt::format("only {:.0f} % of {} places agree: is it one place?",
                                            100 * r.stable_share, r.samples)};
+  const double turn_deg = Eigen::AngleAxisd(r.rotation).angle() * 180 / M_PI;
+  if (std::abs(std::log(r.scale)) > kMostScale || turn_deg > kMostTurn_deg)
+    return Failure{"unlike", fmt::format("they fit only turned by {:.1f} degrees and scaled by "
+                                         "{:.3f}: is it one place?",
+                                         turn_deg, r.scale)};
+  const double cell_m = std::max(fine_a.cell(), fine_b.cell());
+  if (r.nmad_m > kMostSpread_cells * cell_m)
+    return Failure{"unlike",
+                   fmt::format("heights of their common ground differ by {:.2f} m (NMAD), "
+                               "{:.2f} m are allowed: is it one place?",
+                               r.nmad_m, kMostSpread_cells * cell_m)};
   r.middle_m += origin;
   return r;
 }
