@@ -163,7 +163,9 @@ TEST_F(FollowedFlight, AgentsThatFollowAndACentralNodeGiveWhatOneProcessGives) {
   for (const std::string& uav : kUavs) bring(imagesOf(uav));
   const auto& uavs = support::syntheticFlight().uavs;
   std::deque<RawlogWriter> rawlogs;
-  for (const std::string& uav : kUavs) rawlogs.emplace_back(live_ / rawlogOf(uav));
+  for (const std::string& uav : kUavs)
+    rawlogs.emplace_back(live_ / rawlogOf(uav), RawlogLabels{"CAMERA", "GPS"},
+                         RawlogWriter::Visible::kAtOnce);
   const auto fly = [&](std::size_t photo) {
     for (std::size_t u = 0; u < rawlogs.size(); ++u) {
       rawlogs[u].write(support::frameOf(uavs[u].photos[photo], live_ / rawlogOf(kUavs[u])));
