@@ -96,6 +96,20 @@ TEST(Georeferencer, TenPercentOutliersAreNamedAndHarmless) {
   }
 }
 
+TEST(Georeferencer, FixesThatCannotBeAreNotUsed) {
+  Flight flight = test::fly({}, 1);
+  const Georeferencer clean = test::run(flight);
+  GnssFix nowhere = flight.fixes[10], certain = flight.fixes[20], unsure = flight.fixes[30];
+  nowhere.longitude_deg = std::nan("");
+  certain.sigma_enu_m.z() = 0;
+  unsure.sigma_enu_m.x() = std::nan("");
+  flight.fixes.insert(flight.fixes.end(), {nowhere, certain, unsure});
+  const Georeferencer stage = test::run(flight);
+  EXPECT_EQ(stage.quality().fixes, 48);
+  ASSERT_TRUE(stage.segments()[0].georeferenced);
+  EXPECT_EQ(stage.segments()[0].scale, clean.segments()[0].scale);
+}
+
 TEST(Georeferencer, OutageIsBridgedByOdometry) {
   Flight flight = test::fly({}, 4);
   flight.fixes.erase(flight.fixes.begin() + 15, flight.fixes.begin() + 30);

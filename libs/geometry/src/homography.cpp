@@ -7,6 +7,9 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <string>
+#include <utility>
+
+#include "cf/base/median.h"
 
 namespace cf {
 namespace {
@@ -38,12 +41,6 @@ Eigen::Matrix<double, 3, 2> tangentOf(const Eigen::Vector3d& n) {
 
 double angleBetween(const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
-}
-
-double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// H_b_a with positive scale: x_b ~ H x_a. OpenCV's estimator draws from a fixed seed.
@@ -226,7 +223,7 @@ double sigmaOf(const PlaneMotion& m, const Points& a, const Points& b,
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (use[i]) errors.push_back(transferError(m, a[i], b[i]));
   }
-  return std::max(medianOf(std::move(errors)) / std::sqrt(2 * std::log(2.0)), 1e-9);
+  return std::max(upperMedian(std::move(errors)) / std::sqrt(2 * std::log(2.0)), 1e-9);
 }
 
 int selectInliers(const PlaneMotion& m, const Points& a, const Points& b, double threshold,

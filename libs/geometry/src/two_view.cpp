@@ -11,7 +11,9 @@
 #include <numeric>
 #include <opencv2/calib3d.hpp>
 #include <string>
+#include <utility>
 
+#include "cf/base/median.h"
 #include "cf/geometry/triangulation.h"
 
 namespace cf {
@@ -152,11 +154,7 @@ Scored score(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vec
     out.score += 1 - e * e;
     angles.push_back(point->max_angle_rad);
   }
-  if (!angles.empty()) {
-    std::nth_element(angles.begin(), angles.begin() + static_cast<long>(angles.size() / 2),
-                     angles.end());
-    out.view.median_parallax_rad = angles[angles.size() / 2];
-  }
+  out.view.median_parallax_rad = upperMedian(std::move(angles));
   return out;
 }
 

@@ -76,7 +76,12 @@ class Georeferencer::Impl {
         track_(options.max_gap_s, options.acceleration_sigma_mps2),
         method_(makeMethod(options)) {}
 
-  void addFix(const GnssFix& fix) { track_.add(fix.time, {fix_to_world_(fix), fix.sigma_enu_m}); }
+  void addFix(const GnssFix& fix) {
+    const GnssPosition position{fix_to_world_(fix), fix.sigma_enu_m};
+    const bool usable = position.position_m.allFinite() && position.sigma_m.allFinite() &&
+                        (position.sigma_m.array() > 0).all();
+    if (usable) track_.add(fix.time, position);
+  }
 
   std::vector<GeoKeyframe> push(std::shared_ptr<const Keyframe> keyframe) {
     waiting_.push_back(std::move(keyframe));
@@ -182,24 +187,25 @@ class Georeferencer::Impl {
     out.scale = out.georeferenced ? method_->scaleOf(segment) : 1;
     out.scale_sigma = out.georeferenced ? out.scale * segment.log_scale_sigma : 0;
     out.poses.clear();
+    const Eigen::Matrix3d common_error = commonError(segment);
     for (const Node& node : segment.nodes) {
       GeoSegment::Pose pose;
       pose.frame = node.keyframe->id;
       pose.T_world_cam = out.georeferenced ? node.T_world_cam : node.keyframe->T_local_cam;
       if (out.georeferenced) {
         pose.covariance = node.covariance;
-        pose.covariance.topLeftCorner<3, 3>() += commonError(segment);
+        pose.covariance.topLeftCorner<3, 3>() += common_error;
       }
       out.poses.push_back(pose);
     }
   }
 
-  /// What residuals cannot show: all fixes of a flight off together.
+  /// What residuals cannot show: all fixes of a flight off together. Zero without fixes.
   Eigen::Matrix3d commonError(const Segment& segment) const {
     Eigen::Vector3d square = Eigen::Vector3d::Zero();
     for (const Node& node : segment.nodes)
       if (node.fix) square += node.fix->sigma_m.cwiseAbs2();
-    square *= options_.common_error * options_.common_error / segment.fixes();
+    square *= options_.common_error * options_.common_error / std::max(1, segment.fixes());
     return square.asDiagonal();
   }
 

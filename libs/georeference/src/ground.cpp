@@ -3,8 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
+#include "cf/base/median.h"
 #include "segment.h"
 
 namespace cf {
@@ -15,11 +17,6 @@ constexpr std::size_t kMaxPoints = 300;
 constexpr int kSamples = 60;
 /// Heights of neighbouring points go together (roofs, trees): so many count as independent.
 constexpr double kIndependentPoints = 10;
-
-double medianOf(std::vector<double> v) {
-  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
 
 std::vector<Eigen::Vector3d> pointsOf(const Keyframe& keyframe) {
   std::vector<std::size_t> known;
@@ -43,7 +40,7 @@ void measureGround(Node& node, const GeoreferenceOptions& options) {
   if (points.size() < kMinPoints) return;
   std::vector<double> values;
   for (const auto& p : points) values.push_back(p.z());
-  node.median_depth = medianOf(values);
+  node.median_depth = upperMedian(values);
 
   // Least median of distances over random triples, then a least-squares plane of what is near.
   std::mt19937 random(node.keyframe->id.index);
@@ -57,7 +54,7 @@ void measureGround(Node& node, const GeoreferenceOptions& options) {
     if (normal.norm() < 1e-9 * node.median_depth * node.median_depth) continue;
     const Eigen::Hyperplane<double, 3> candidate(normal.normalized(), a);
     for (std::size_t i = 0; i < points.size(); ++i) values[i] = candidate.absDistance(points[i]);
-    const double median = medianOf(values);
+    const double median = upperMedian(values);
     if (median < best) {
       best = median;
       plane = candidate;

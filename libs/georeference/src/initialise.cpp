@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
+#include <optional>
 #include <random>
 
+#include "cf/base/median.h"
 #include "cf/geometry/similarity.h"
 #include "cf/georeference/frames.h"
 #include "segment.h"
@@ -18,14 +21,10 @@ using Complex = std::complex<double>;
 constexpr unsigned kSeed = 1;
 constexpr int kSamples = 300;
 constexpr int kRefinements = 10;
+constexpr double kLeastTaggedHeight_m = 1;  ///< below, a tag is that of take-off
 /// Tags are often smaller than the truth (RTK with photo times of a second): a start is not refused
 /// for what an ordinary receiver is off by.
 const Eigen::Vector3d kOrdinarySigma(1.5, 1.5, 3);
-
-double medianOf(std::vector<double> v) {
-  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
 
 Eigen::Vector3d startSigma(const GnssPosition& fix) { return fix.sigma_m.cwiseMax(kOrdinarySigma); }
 
@@ -40,12 +39,11 @@ Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& m) {
 
 /// Rotation to a level frame: the gimbal's (heading included) where tagged, else from the camera
 /// axes (down) and the ground normals (up), weighed by their variances.
-Eigen::Matrix3d levelRotation(const Segment& segment, const GeoreferenceOptions& options,
-                              bool& heading_known) {
+Eigen::Matrix3d levelRotation(const Segment& segment, const GeoreferenceOptions& options) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   Eigen::Vector3d axes = Eigen::Vector3d::Zero(), normals = Eigen::Vector3d::Zero();
   double ground_sigma = options.ground_sigma_deg * kRadPerDeg;
-  heading_known = false;
+  bool heading_known = false;
   for (const Node& node : segment.nodes) {
     const Eigen::Matrix3d R_local_cam = node.keyframe->T_local_cam.linear();
     if (node.keyframe->attitude) {
@@ -70,17 +68,18 @@ struct PlaneSimilarity {
   Complex turn = 1, shift = 0;
 };
 
-/// Least median of residuals over pairs, then reweighted least squares. Needs two distinct points.
-/// Any share of outliers below one half, any unknown noise.
-bool fitPlaneSimilarity(const std::vector<Complex>& a, const std::vector<Complex>& b,
-                        PlaneSimilarity& best) {
+/// Least median of residuals over pairs, then reweighted least squares. Any share of outliers below
+/// one half, any unknown noise. None without two distinct points.
+std::optional<PlaneSimilarity> fitPlaneSimilarity(const std::vector<Complex>& a,
+                                                  const std::vector<Complex>& b) {
   const std::size_t n = a.size();
   std::mt19937 random(kSeed);
+  PlaneSimilarity best;
   double best_cost = std::numeric_limits<double>::infinity();
   std::vector<double> distance(n);
   const auto measure = [&](const PlaneSimilarity& s) {
     for (std::size_t i = 0; i < n; ++i) distance[i] = std::abs(a[i] - s.turn * b[i] - s.shift);
-    return medianOf(distance);
+    return upperMedian(distance);
   };
   for (int k = 0; k < kSamples; ++k) {
     const std::size_t i = random() % n, j = random() % n;
@@ -94,7 +93,7 @@ bool fitPlaneSimilarity(const std::vector<Complex>& a, const std::vector<Complex
       best = candidate;
     }
   }
-  if (!std::isfinite(best_cost)) return false;
+  if (!std::isfinite(best_cost)) return std::nullopt;
   for (int k = 0; k < kRefinements; ++k) {
     const double width = std::max(2 * 1.4826 * measure(best), 1e-6);
     Complex mean_a = 0, mean_b = 0, cross = 0;
@@ -116,15 +115,7 @@ bool fitPlaneSimilarity(const std::vector<Complex>& a, const std::vector<Complex
     best.turn = cross / square;
     best.shift = mean_a - best.turn * mean_b;
   }
-  return true;
-}
-
-double scaleHint(const Segment& segment) {
-  std::vector<double> hints;
-  for (const Node& node : segment.nodes)
-    if (node.median_depth > 0 && node.keyframe->height_above_ground_m.value_or(0) > 1)
-      hints.push_back(*node.keyframe->height_above_ground_m / node.median_depth);
-  return hints.empty() ? 1 : medianOf(hints);
+  return best;
 }
 
 /// Levelled, then heading, scale and position from the horizontal alone: garbage in the altitude
@@ -133,27 +124,26 @@ double scaleHint(const Segment& segment) {
 Sim3 levelledAlignment(const Segment& segment, const std::vector<Eigen::Vector3d>& fixes,
                        const std::vector<Eigen::Vector3d>& centres,
                        const GeoreferenceOptions& options) {
-  bool heading_known = false;
   Sim3 S;
-  S.rotation = levelRotation(segment, options, heading_known);
+  S.rotation = levelRotation(segment, options);
   std::vector<Complex> a, b;
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     a.push_back(horizontal(fixes[i]));
     b.push_back(horizontal(S.rotation * centres[i]));
   }
-  PlaneSimilarity plane;
-  if (fitPlaneSimilarity(a, b, plane)) {
-    S.scale = std::abs(plane.turn);
-    S.rotation = Eigen::AngleAxisd(std::arg(plane.turn), Eigen::Vector3d::UnitZ()) * S.rotation;
+  if (const auto plane = fitPlaneSimilarity(a, b)) {
+    S.scale = std::abs(plane->turn);
+    S.rotation = Eigen::AngleAxisd(std::arg(plane->turn), Eigen::Vector3d::UnitZ()) * S.rotation;
   } else {
-    S.scale = scaleHint(segment);
+    const std::vector<double> hints = scaleHints(segment);
+    S.scale = hints.empty() ? 1 : upperMedian(hints);
   }
   std::vector<double> shift[3];
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     const Eigen::Vector3d d = fixes[i] - S.scale * (S.rotation * centres[i]);
     for (int k = 0; k < 3; ++k) shift[k].push_back(d[k]);
   }
-  for (int k = 0; k < 3; ++k) S.translation[k] = medianOf(shift[k]);
+  for (int k = 0; k < 3; ++k) S.translation[k] = upperMedian(shift[k]);
   return S;
 }
 
@@ -169,7 +159,7 @@ bool fitsUsualNoise(const Sim3& S, const Segment& segment) {
       vertical_error.push_back(std::abs(e.z()));
     }
   // Medians of the Rayleigh and half-normal distributions of sigma 1.
-  return medianOf(horizontal_error) < 2 * 1.177 && medianOf(vertical_error) < 2 * 0.674;
+  return upperMedian(horizontal_error) < 2 * 1.177 && upperMedian(vertical_error) < 2 * 0.674;
 }
 
 /// Robust misfit of a candidate: to the fixes at their usual noise, and of its attitude.
@@ -207,7 +197,7 @@ NoiseSums rigidNoise(Segment& segment) {
   if (n <= kFittedPerAxis + 1) return {};  // too few to tell: the tagged sigma holds
   Noise robust;
   for (int k = 0; k < 3; ++k)
-    robust.factor[k] = 1.4826 * medianOf(error[k]) * std::sqrt(n / (n - kFittedPerAxis));
+    robust.factor[k] = 1.4826 * upperMedian(error[k]) * std::sqrt(n / (n - kFittedPerAxis));
   gateFixes(segment, robust);
   measureNoise(segment, {});
   NoiseSums sums = segment.noise;  // for the correlation of neighbours
@@ -221,6 +211,16 @@ NoiseSums rigidNoise(Segment& segment) {
 int Segment::fixes() const {
   return static_cast<int>(
       std::count_if(nodes.begin(), nodes.end(), [](const Node& n) { return n.fix.has_value(); }));
+}
+
+std::vector<double> scaleHints(const Segment& segment) {
+  std::vector<double> hints;
+  for (const Node& node : segment.nodes) {
+    const double height_m = node.keyframe->height_above_ground_m.value_or(0);
+    if (node.median_depth > 0 && height_m > kLeastTaggedHeight_m)
+      hints.push_back(height_m / node.median_depth);
+  }
+  return hints;
 }
 
 Eigen::Isometry3d incrementTo(const Segment& segment, std::size_t j) {

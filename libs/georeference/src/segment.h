@@ -65,6 +65,9 @@ struct Segment {
   int fixes() const;
 };
 
+/// Metres per VO unit by each photo with a tagged height: that over its median depth.
+std::vector<double> scaleHints(const Segment& segment);
+
 /// The plane of a keyframe's triangulated features and their median depth, set in `node`.
 void measureGround(Node& node, const GeoreferenceOptions& options);
 

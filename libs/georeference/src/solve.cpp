@@ -162,10 +162,7 @@ class Linearised {
   }
 
   void addScaleHints() {
-    std::vector<double> hints;
-    for (const Node& node : segment_.nodes)
-      if (node.median_depth > 0 && node.keyframe->height_above_ground_m.value_or(0) > 1)
-        hints.push_back(*node.keyframe->height_above_ground_m / node.median_depth);
+    const std::vector<double> hints = scaleHints(segment_);
     for (const double hint : hints)
       add<LogScaleResidual, 1, 1>({std::log(hint / segment_.scale), options_.height_tag_sigma},
                                   sharedLoss(static_cast<double>(hints.size())), &log_scale_);

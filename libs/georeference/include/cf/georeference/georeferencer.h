@@ -27,8 +27,8 @@ struct GeoreferenceOptions {
   double common_error = 1;               ///< error common to all fixes, in tagged sigmas
   double junk_factor = 3;                ///< horizontal noise above this many tagged sigmas …
   double junk_sigma_m = 5;               ///< … and above this is junk
-  double gimbal_tilt_sigma_deg = 2;
-  double gimbal_yaw_sigma_deg = 10;
+  double gimbal_tilt_sigma_deg = 2;      ///< of tagged pitch and roll
+  double gimbal_yaw_sigma_deg = 10;      ///< of tagged yaw
   double nadir_sigma_deg = 15;    ///< camera axis against straight down, without a gimbal tag
   double ground_sigma_deg = 7;    ///< slope of the ground under a segment
   double height_tag_sigma = 0.2;  ///< tagged height against median depth, as a fraction
@@ -75,7 +75,7 @@ class Georeferencer {
   Georeferencer& operator=(Georeferencer&&) noexcept;
 
   /// In any order; of two with the same time the later call counts. A fix for a keyframe that has
-  /// left already is not used.
+  /// left already is not used, nor is one that is not finite or has no sigma.
   void addFix(const GnssFix& fix);
   /// Keyframes in time order.
   std::vector<GeoKeyframe> push(std::shared_ptr<const Keyframe> keyframe);
@@ -84,7 +84,9 @@ class Georeferencer {
 
   /// Current estimate of every keyframe that has left, by segment number.
   const std::vector<GeoSegment>& segments() const;
+  /// Of the receiver, from all fixes used so far; its bias is not known to one UAV alone.
   GnssQuality quality() const;
+  /// One sample for each keyframe that has left.
   const std::vector<ScaleSample>& scaleHistory() const;
   /// The pose graph in MRPT's text format (CNetworkOfPoses3DInf): node 0 is the world, node i + 1
   /// is photo i; edges are odometry increments in metres, fixes and attitudes.
