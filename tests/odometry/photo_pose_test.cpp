@@ -64,6 +64,22 @@ TEST(PoseByScaledTwoView, TakesItsLengthFromAHandful) {
   }
 }
 
+/// Flown straight ahead, a landmark in the middle lies on the baseline: it tells nothing of its
+/// length, and takes nothing from the others.
+TEST(PoseByScaledTwoView, BearsALandmarkOnTheBaseline) {
+  Eigen::Isometry3d T_local_cam = Eigen::Isometry3d::Identity();
+  T_local_cam.translation().z() = 2;
+  Eigen::Isometry3d T_a_cam = Eigen::Isometry3d::Identity();
+  T_a_cam.translation().z() = 1;
+  std::vector<LandmarkSight> seen = {{{0, 0, 10}, {0, 0}}};
+  for (const auto& p : {Eigen::Vector3d(3, 1, 10), Eigen::Vector3d(-2, 2, 12),
+                        Eigen::Vector3d(1, -3, 9), Eigen::Vector3d(-3, -1, 11)})
+    seen.push_back({p, (T_local_cam.inverse() * p).hnormalized()});
+  const auto pose = poseByScaledTwoView(Eigen::Isometry3d::Identity(), T_a_cam, seen, 3e-3, 5);
+  ASSERT_TRUE(pose) << pose.failure().detail;
+  EXPECT_LT((pose->translation() - T_local_cam.translation()).norm(), 1e-9);
+}
+
 TEST(PoseByScaledTwoView, FailsWhereLandmarksAreFewOrDisagree) {
   const Eigen::Isometry3d T_local_a = poseAt(0), T_local_cam = poseAt(36);
   Eigen::Isometry3d T_a_cam = T_local_a.inverse() * T_local_cam;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <string>
 
+#include "cf/base/median.h"
+
 namespace cf {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr std::size_t kFewest = 30;
 /// Median departure from the plane, relative to the depth.
 constexpr double kRoughest = 0.06;
 constexpr int kRounds = 15;
-
-double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -62,7 +58,7 @@ Result<double> scaleByGround(const std::vector<GroundSight>& known,
         const double plane = fit.head<3>().dot(sight.normalized.homogeneous());
         departure[s][i] = std::abs((inverse - plane) / plane);
       }
-      const double usual = medianOf(departure[s]);
+      const double usual = upperMedian(departure[s]);
       rough = std::max(rough, usual);
       for (std::size_t i = 0; i < sets[s]->size(); ++i) {
         const double e = departure[s][i] / std::max(1e-9, 2 * usual);

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+
+#include "cf/base/median.h"
 
 namespace cf {
 namespace {
@@ -44,8 +47,7 @@ std::optional<DepthRange> depthRangeOf(const TrackedPhoto& photo,
       departure[k] = inverse_depth[known[k]] - range.at(photo.normalized[known[k]]);
     std::vector<double> size;
     for (const double d : departure) size.push_back(std::abs(d));
-    std::nth_element(size.begin(), size.begin() + static_cast<long>(size.size() / 2), size.end());
-    const double usual = std::max(1e-12, 2 * size[size.size() / 2]);
+    const double usual = std::max(1e-12, 2 * upperMedian(std::move(size)));
     for (std::size_t k = 0; k < known.size(); ++k)
       weight[k] = 1 / (1 + departure[k] * departure[k] / (usual * usual));
   }

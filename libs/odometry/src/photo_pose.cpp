@@ -76,7 +76,10 @@ Result<Eigen::Isometry3d> poseByScaledTwoView(const Eigen::Isometry3d& T_local_a
     const Eigen::Vector3d p = R_cam_a * (T_a_local * s.p_local);
     const Eigen::Vector3d ray = s.normalized.homogeneous();
     const Eigen::Vector3d a = p.cross(ray), b = along.cross(ray);
-    votes.push_back({a.dot(b) / b.squaredNorm(), b.squaredNorm() / (p.z() * p.z())});
+    if (b.squaredNorm() > 0)  // else it lies on the baseline and tells nothing of its length
+      votes.push_back({a.dot(b) / b.squaredNorm(), b.squaredNorm() / (p.z() * p.z())});
+    else
+      votes.push_back({});
   }
   const auto poseAt = [&](double length) {
     Eigen::Isometry3d T_a_cam = T_a_cam_up_to_scale;

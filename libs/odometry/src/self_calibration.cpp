@@ -181,10 +181,6 @@ double radialDoubt(const CameraModel& camera) {
   return camera.k1_sigma * radius * radius * radius;
 }
 
-bool sameLens(const CameraModel& a, const CameraModel& b) {
-  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.k1 == b.k1;
-}
-
 }  // namespace
 
 bool calibrateRadial(LocalMap& map, const std::vector<PhotoIndex>& photos, double threshold) {
@@ -216,7 +212,7 @@ void LensSearch::begin(const CameraModel& given, double threshold) {
 }
 
 CameraModel LensSearch::use(const CameraModel& given) const {
-  return found_ && sameLens(given, given_) ? *found_ : given;
+  return found_ && given == given_ ? *found_ : given;
 }
 
 void LensSearch::look(LocalMap& map, bool last, double threshold) {
@@ -229,8 +225,7 @@ void LensSearch::look(LocalMap& map, bool last, double threshold) {
     if (photo.segment < 0) continue;
     posed.push_back(i);
     const TrackedPhoto& first = map.photo(posed.front());
-    alike =
-        alike && photo.segment == first.segment && sameLens(photo.frame.camera, first.frame.camera);
+    alike = alike && photo.segment == first.segment && photo.frame.camera == first.frame.camera;
   }
   const bool ready = alike && static_cast<int>(posed.size()) >= std::max(3, photos_ / 2);
   settled_ = ready || last || all >= 2 * photos_;
@@ -239,7 +234,7 @@ void LensSearch::look(LocalMap& map, bool last, double threshold) {
   if (!calibrateRadial(map, posed, threshold)) return;
   found_ = map.photo(posed.front()).frame.camera;
   for (TrackedPhoto& photo : map.photos) {
-    if (photo.segment >= 0 || !sameLens(photo.frame.camera, given_)) continue;
+    if (photo.segment >= 0 || !(photo.frame.camera == given_)) continue;
     photo.frame.camera = *found_;
     photo.normalized = normalizedPoints(*photo.features, *found_);
   }

@@ -13,10 +13,11 @@
 
 namespace cf {
 
+/// Section [odometry].
 struct OdometryOptions {
   FeatureOptions features;
   int match_window = 5;          ///< earlier photos that each photo is matched to
-  double match_ratio = 0.85;     ///< Lowe's ratio
+  double match_ratio = 0.85;     ///< Lowe's ratio: best over second best descriptor distance
   double inlier_px = 3.0;        ///< reprojection threshold at the feature size [px]
   int min_inliers = 20;          ///< below, a photo is not tracked
   int adjustment_window = 7;     ///< photos in the local bundle adjustment
@@ -39,12 +40,14 @@ struct PreparedPhoto {
 PreparedPhoto preparePhoto(const ImageFrame& frame, const OdometryOptions& options);
 
 /// Monocular visual odometry of one UAV: every photo becomes a keyframe with a pose in the local
-/// frame of its segment. Photos are matched to the last few, posed by resection (or, where no
-/// segment can be continued, by two-view geometry, which opens a new one) and refined by a local
-/// bundle adjustment with inverse depths, equations (2) and (3). A keyframe leaves once `delay`
-/// later photos have come; from then on its pose is fixed: the local frame never jumps. The first
-/// ones wait until the radial distortion has been estimated from them, if it was given with a sigma
-/// that matters: keyframes carry the camera found.
+/// frame of its segment (that of its first photo; its unit, VO units, is arbitrary). Photos are
+/// matched to the last few, posed by resection (or, where no segment can be continued, by two-view
+/// geometry, which opens a new one) and refined by a local bundle adjustment with inverse depths,
+/// equations (2) and (3). A keyframe leaves once `delay` later photos have come; from then on its
+/// pose is fixed: the local frame never jumps. The first ones wait until the radial distortion has
+/// been estimated from them, if it was given with a sigma that matters: keyframes carry the camera
+/// found. Nothing fails: a photo that cannot be tracked is alone in its segment. Deterministic; no
+/// threads.
 class Odometry {
  public:
   explicit Odometry(const OdometryOptions& options);
@@ -56,10 +59,11 @@ class Odometry {
   std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame);
   /// The same with what preparePhoto() made of the photo; `frame.image` may be empty.
   std::vector<std::shared_ptr<const Keyframe>> push(const ImageFrame& frame, PreparedPhoto photo);
+  /// No more photos come: all that wait.
   std::vector<std::shared_ptr<const Keyframe>> flush();
 
-  /// The photo pushed last, as known now: segment, pose, matches, inliers. Its descriptors are not
-  /// filled in. For the live display and the online trajectory.
+  /// The photo pushed last, as known now: segment (-1: not posed yet), pose, matches, inliers,
+  /// without features. For the live display and the online trajectory. Not before the first push().
   Keyframe newest() const;
 
  private:
