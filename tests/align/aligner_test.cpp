@@ -279,6 +279,28 @@ TEST(Aligner, ASegmentThatNothingCarriesOnWaitsForTheNextDraft) {
   EXPECT_TRUE(aligner.similarity({0, 8}, 1));
 }
 
+TEST(Aligner, AUavThatComesLaterJoinsAtOnce) {
+  auto plans = threeUavs();
+  for (LawnMower& plan : plans) plan.cuts = {};
+  const Simulation flight = FlightSimulator(sparse(), 8).fly(plans);
+  AlignOptions options;
+  options.growth = 100;
+  Aligner aligner(options, 0);
+  std::set<FrameId> known;
+  PoseTable table;
+  for (const GeoKeyframe& keyframe : flight.keyframes) {  // one UAV after the other
+    const std::uint16_t uav = keyframe.keyframe->id.uav;
+    aligner.push(keyframe);
+    known.insert(keyframe.keyframe->id);
+    const std::vector<GeoSegment> segments = segmentsOf(flight, known);
+    EXPECT_EQ(aligner.canJoin(uav, segments), keyframe.keyframe->id.index == 0);
+    if (!aligner.canJoin(uav, segments)) continue;
+    table = aligner.update(segments, flight.quality, flight.cameras);
+    EXPECT_EQ(table.poses.size(), known.size());
+  }
+  EXPECT_EQ(table.poses.count({2, 0}), 1u);
+}
+
 TEST(Aligner, IsDeterministic) {
   auto plans = threeUavs();
   plans.resize(2);

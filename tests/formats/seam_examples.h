@@ -118,7 +118,8 @@ inline SeamStep someStep(std::size_t features, std::mt19937& random) {
   segments[0] = lost;
   step.segments = std::make_shared<const std::vector<GeoSegment>>(segments);
   step.gnss = someQuality();
-  step.newest = ChainStep::Newest{{2, 70'002}, 3, someIsometry(random), someIsometry(random)};
+  step.provisional = {{{2, 70'002}, 3, someIsometry(random), {}},
+                      {{2, 70'003}, 3, someIsometry(random), someIsometry(random)}};
   step.jpeg = std::string("\xFF\xD8\0jpeg", 7);
   message.next_from = -2;
   message.photo = {"b \xFF.jpg", -1, someCamera()};
@@ -210,11 +211,11 @@ class Bits {
   void add(const GeoSegment& s) {
     (*this)(s.id.uav, s.id.segment, s.georeferenced, s.scale, s.scale_sigma, s.poses);
   }
-  void add(const ChainStep::Newest& n) {
+  void add(const ChainStep::Provisional& n) {
     (*this)(n.photo, n.segment, n.T_local_cam, n.T_world_cam);
   }
   void add(const ChainStep& s) {
-    (*this)(s.uav, s.keyframes, s.segments != nullptr, s.gnss, s.newest, s.jpeg);
+    (*this)(s.uav, s.keyframes, s.segments != nullptr, s.gnss, s.provisional, s.jpeg);
     if (s.segments) add(*s.segments);
   }
   void add(const SeamStep::Photo& p) { (*this)(p.name, p.time, p.camera); }

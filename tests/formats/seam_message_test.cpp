@@ -44,7 +44,7 @@ TEST(SeamMessage, keepsWhatIsNotThere) {
   bare->height_above_ground_m.reset();
   step.keyframes[0] = {bare, {}};
   step.segments = std::make_shared<std::vector<GeoSegment>>();
-  step.newest->T_world_cam.reset();
+  step.provisional.pop_back();
   EXPECT_TRUE(survives(message));
   message.photo.reset();
   EXPECT_TRUE(survives(message));

@@ -252,14 +252,15 @@ TEST(Odometry, APoseThatHasLeftNeverChanges) {
       EXPECT_EQ(keyframe->id.index + 2, photo.id.index);
       left[keyframe->id.index] = *keyframe;
     }
-    const Keyframe now = odometry.newest();
+    const Keyframe now = odometry.provisional().back();
     EXPECT_EQ(now.id, photo.id);
+    EXPECT_EQ(odometry.provisional().front().id.index, left.size());
     newest[static_cast<int>(photo.id.index)] = now.T_local_cam;
   }
   for (const auto& keyframe : odometry.flush()) left[keyframe->id.index] = *keyframe;
   ASSERT_EQ(left.size(), 7u);
-  // The frame in which newer photos are told stays that of the older ones: what newest() said of a
-  // photo, and what left two photos later, differ by the refinement alone.
+  // The frame in which newer photos are told stays that of the older ones: what provisional() said
+  // of a photo, and what left two photos later, differ by the refinement alone.
   for (const auto& [index, keyframe] : left) {
     if (index < 2) continue;
     const Eigen::Isometry3d& early = newest.at(static_cast<int>(index));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <future>
+#include <set>
 #include <utility>
 
 #include "map_extension.h"
@@ -37,14 +38,22 @@ class Aligner::State {
   const PoseTable& update(const UavKnowledge& known) {
     if (draft_.valid()) take(draft_.get());
     const bool first = map_.table.poses.empty();
+    const bool joins = takeNote(known.segments);
     const double photos = static_cast<double>(solver_.graph().photos().size());
-    if (photos >= options_.growth * solved_photos_) {
+    if (joins || photos >= options_.growth * solved_photos_) {
       solved_photos_ = photos;
       startDraft(known);
-      if (first) take(draft_.get());
+      if (joins || first) take(draft_.get());
     }
     extend(known);
     return map_.table;
+  }
+
+  bool canJoin(std::uint16_t uav, const std::vector<GeoSegment>& segments) const {
+    return joined_.count(uav) == 0 &&
+           std::any_of(segments.begin(), segments.end(), [&](const GeoSegment& segment) {
+             return segment.id.uav == uav && segment.georeferenced;
+           });
   }
 
   std::optional<Sim3> similarity(FrameId photo, int segment) const {
@@ -62,6 +71,14 @@ class Aligner::State {
     MapSolver solver;
     Alignment alignment;
   };
+
+  /// Of the UAVs that can join; whether there is one.
+  bool takeNote(const std::vector<GeoSegment>& segments) {
+    const std::size_t before = joined_.size();
+    for (const GeoSegment& segment : segments)
+      if (segment.georeferenced) joined_.insert(segment.id.uav);
+    return joined_.size() > before;
+  }
 
   /// Beside the photos that go on coming, where there is a thread for it: it takes effect at the
   /// next update, however long it takes.
@@ -106,8 +123,9 @@ class Aligner::State {
   const AlignOptions options_;
   MapSolver solver_;
   GrowingMap map_;
-  std::future<Draft> draft_;  ///< under way
-  double solved_photos_ = 0;  ///< in the graph when the last draft was started
+  std::future<Draft> draft_;        ///< under way
+  std::set<std::uint16_t> joined_;  ///< UAVs that had a georeference in a draft
+  double solved_photos_ = 0;        ///< in the graph when the last draft was started
   std::uint32_t version_ = 0;
 };
 
@@ -115,6 +133,9 @@ Aligner::Aligner(const AlignOptions& options, std::uint16_t center)
     : state_(std::make_unique<State>(options, center)) {}
 Aligner::~Aligner() = default;
 void Aligner::push(const GeoKeyframe& keyframe) { state_->push(keyframe); }
+bool Aligner::canJoin(std::uint16_t uav, const std::vector<GeoSegment>& segments) const {
+  return state_->canJoin(uav, segments);
+}
 const PoseTable& Aligner::update(const std::vector<GeoSegment>& segments,
                                  const std::vector<GnssQuality>& quality,
                                  const std::vector<CameraModel>& cameras) {

@@ -171,10 +171,12 @@ SeamStep stepOf(const seam::Step& in, SegmentsById known) {
   }
   out.gnss = qualityOf(in.gnss());
   out.jpeg = in.jpeg();
-  if (!in.has_newest()) return message;
-  const seam::Step::Newest& newest = in.newest();
-  out.newest = {idOf(newest.photo()), newest.segment(), poseOf(newest.t_local_cam()), {}};
-  if (!newest.t_world_cam().empty()) out.newest->T_world_cam = poseOf(newest.t_world_cam());
+  for (const seam::Step::Provisional& photo : in.provisional()) {
+    out.provisional.push_back(
+        {idOf(photo.photo()), photo.segment(), poseOf(photo.t_local_cam()), {}});
+    if (!photo.t_world_cam().empty())
+      out.provisional.back().T_world_cam = poseOf(photo.t_world_cam());
+  }
   return message;
 }
 

@@ -146,12 +146,13 @@ void put(const SeamStep& message, const SegmentsById& before, seam::Step& out) {
     photo.set_time_ns(message.photo->time);
     put(message.photo->camera, *photo.mutable_camera());
   }
-  if (!step.newest) return;
-  seam::Step::Newest& newest = *out.mutable_newest();
-  put(step.newest->photo, *newest.mutable_photo());
-  newest.set_segment(step.newest->segment);
-  put(step.newest->T_local_cam, *newest.mutable_t_local_cam());
-  if (step.newest->T_world_cam) put(*step.newest->T_world_cam, *newest.mutable_t_world_cam());
+  for (const ChainStep::Provisional& photo : step.provisional) {
+    seam::Step::Provisional& to = *out.add_provisional();
+    put(photo.photo, *to.mutable_photo());
+    to.set_segment(photo.segment);
+    put(photo.T_local_cam, *to.mutable_t_local_cam());
+    if (photo.T_world_cam) put(*photo.T_world_cam, *to.mutable_t_world_cam());
+  }
 }
 
 void put(const SeamHello& hello, seam::Hello& out) {

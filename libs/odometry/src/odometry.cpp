@@ -85,8 +85,11 @@ class Odometry::Tracker {
     return finalise(static_cast<PhotoIndex>(map_.photos.size()) - 1);
   }
 
-  Keyframe newest() const {
-    return keyframeOf(map_, static_cast<PhotoIndex>(map_.photos.size()) - 1);
+  std::vector<Keyframe> provisional() const {
+    std::vector<Keyframe> out;
+    for (PhotoIndex i = finalised_; i < static_cast<PhotoIndex>(map_.photos.size()); ++i)
+      out.push_back(keyframeOf(map_, i));
+    return out;
   }
   const OdometryOptions& options() const { return options_; }
 
@@ -262,6 +265,6 @@ std::vector<std::shared_ptr<const Keyframe>> Odometry::push(const ImageFrame& fr
   return tracker_->push(frame, std::move(photo));
 }
 std::vector<std::shared_ptr<const Keyframe>> Odometry::flush() { return tracker_->flush(); }
-Keyframe Odometry::newest() const { return tracker_->newest(); }
+std::vector<Keyframe> Odometry::provisional() const { return tracker_->provisional(); }
 
 }  // namespace cf

@@ -19,7 +19,7 @@ CentralNode::CentralNode(const AlignOptions& options, std::uint16_t center, std:
       online_(uavs) {}
 
 void CentralNode::receive(ChainStep step) {
-  if (step.newest) store_.put(step.newest->photo, step.jpeg);
+  if (!step.provisional.empty()) store_.put(step.provisional.back().photo, step.jpeg);
   const StageTimes::Scope scope(times_, "align");
   if (step.segments) segments_[step.uav] = step.segments;
   gnss_[step.uav] = step.gnss;
@@ -29,25 +29,27 @@ void CentralNode::receive(ChainStep step) {
     if (keyframe.fix) fixes_[keyframe.keyframe->id] = *keyframe.fix;
     ++keyframes_since_update_;
   }
-  if (update_every_ > 0 && keyframes_since_update_ >= update_every_) {
+  for (const ChainStep::Provisional& photo : step.provisional)
+    outside_.insert_or_assign(photo.photo, photo);
+  if (update_every_ > 0 &&
+      (keyframes_since_update_ >= update_every_ || aligner_.canJoin(step.uav, segments()))) {
     version_ = &aligner_.update(segments(), gnss_, cameras_);
     keyframes_since_update_ = 0;
-    for (const auto& [id, entry] : version_->poses) not_final_.erase(id);
+    for (const auto& [id, entry] : version_->poses) outside_.erase(id);
   }
-  if (!step.newest) return;
-  const ChainStep::Newest& newest = *step.newest;
+  if (step.provisional.empty()) return;
+  const ChainStep::Provisional& newest = step.provisional.back();
   if (const auto S_world_local = aligner_.similarity(newest.photo, newest.segment))
     online_[step.uav].push_back({newest.photo.index, S_world_local->carry(newest.T_local_cam)});
   else if (newest.T_world_cam)
     online_[step.uav].push_back({newest.photo.index, *newest.T_world_cam});
-  not_final_.emplace(newest.photo, newest);
 }
 
 PoseTable CentralNode::mapOfNow() const {
   PoseTable table;
   if (version_ == nullptr) return table;
   table = *version_;
-  for (const auto& [id, photo] : not_final_) {
+  for (const auto& [id, photo] : outside_) {
     const auto S_world_local = aligner_.similarity(id, photo.segment);
     const auto after = table.poses.lower_bound(id);
     if (!S_world_local || after == table.poses.begin()) continue;

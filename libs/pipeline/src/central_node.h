@@ -16,7 +16,8 @@
 namespace cf {
 
 /// Receives what the UAVs hand over the seam, in time order, and keeps the common map up to date:
-/// a new version every `[align] update_every` keyframes, whatever the time that solving takes.
+/// a new version every `[align] update_every` keyframes, and when another UAV can join, whatever
+/// the time that solving takes.
 class CentralNode {
  public:
   /// What is given by reference must outlive the node.
@@ -27,8 +28,8 @@ class CentralNode {
   void introduce(std::uint16_t uav, const CameraModel& camera) { cameras_[uav] = camera; }
 
   void receive(ChainStep step);
-  /// The newest version of the map, and in it the photos that have come since and are not final,
-  /// carried on by their odometry. Empty before the first version.
+  /// The newest version of the map, and in it the photos that have come since, carried on by their
+  /// odometry. Empty before the first version.
   PoseTable mapOfNow() const;
   /// The final map, when all steps have come.
   Alignment finish();
@@ -54,8 +55,8 @@ class CentralNode {
   std::vector<std::shared_ptr<const std::vector<GeoSegment>>> segments_;  ///< by UAV
   std::vector<GnssQuality> gnss_;                                         ///< by UAV
   std::vector<std::vector<PhotoPose>> online_;
-  const PoseTable* version_ = nullptr;              ///< newest, the aligner's
-  std::map<FrameId, ChainStep::Newest> not_final_;  ///< that it does not hold
+  const PoseTable* version_ = nullptr;                 ///< newest, the aligner's
+  std::map<FrameId, ChainStep::Provisional> outside_;  ///< photos that it does not hold
   std::map<FrameId, std::shared_ptr<const FeatureSet>> features_;
   std::map<FrameId, GnssPosition> fixes_;
   int keyframes_since_update_ = 0;

@@ -40,9 +40,11 @@ bool fits(const SeamStep& message, std::uint16_t uav, std::size_t before) {
            std::all_of(segment.poses.begin(), segment.poses.end(),
                        [&](const GeoSegment::Pose& pose) { return isOwn(pose.frame); });
   };
+  const auto isProvisional = [&](const ChainStep::Provisional& p) { return isOwn(p.photo); };
   return step.uav == uav && (!message.photo || isUsable(message.photo->camera)) &&
-         (!step.newest ||
-          (message.photo && isOwn(step.newest->photo) && step.newest->photo.index == before)) &&
+         std::all_of(step.provisional.begin(), step.provisional.end(), isProvisional) &&
+         (step.provisional.empty() ||
+          (message.photo && step.provisional.back().photo.index == before)) &&
          std::all_of(step.keyframes.begin(), step.keyframes.end(),
                      [&](const GeoKeyframe& k) { return isOwn(k.keyframe->id); }) &&
          (!step.segments || std::all_of(step.segments->begin(), step.segments->end(), fit));
@@ -268,8 +270,9 @@ void SeamSteps::note(std::size_t uav, const SeamStep& message) {
     PhotoRecord& record = done.photos.emplace_back();
     record.name = message.photo->name;
     record.time = message.photo->time;
-    record.reason = step.newest ? "its agent had stopped before it was done" : "damaged";
-    if (!step.newest) record.status = PhotoStatus::kDamaged;
+    record.reason =
+        step.provisional.empty() ? "damaged" : "its agent had stopped before it was done";
+    if (step.provisional.empty()) record.status = PhotoStatus::kDamaged;
   }
   for (const GeoKeyframe& geo : step.keyframes) {
     const Keyframe& keyframe = *geo.keyframe;

@@ -76,7 +76,7 @@ ChainStep UavChain::push(ReadyPhoto& photo, const std::vector<GnssFix>& fixes) {
     keyframes = odometry_.push(frame, std::move(photo.photo));
   }
   georeference(keyframes, step);
-  step.newest = newest(frame.id);
+  step.provisional = provisional();
   step.jpeg = std::move(photo.jpeg);
   return step;
 }
@@ -134,17 +134,19 @@ void UavChain::collect(std::vector<GeoKeyframe> keyframes, ChainStep& step) {
   }
 }
 
-/// Carried on from the last keyframe of its segment that is georeferenced.
-ChainStep::Newest UavChain::newest(FrameId id) {
-  const Keyframe newest = odometry_.newest();
-  done_.photos[id.index].keypoints = static_cast<int>(newest.inverse_depth.size());
-  ChainStep::Newest out{id, newest.segment, newest.T_local_cam, {}};
-  for (const GeoSegment& segment : georeferencer_.segments()) {
-    if (segment.id.segment != newest.segment || !segment.georeferenced || segment.poses.empty())
-      continue;
-    const auto& last = segment.poses.back();
-    out.T_world_cam = similarityAt(segment.scale, last.T_world_cam, local_.at(last.frame))
-                          .carry(newest.T_local_cam);
+/// Each carried on from the last keyframe of its segment that is georeferenced.
+std::vector<ChainStep::Provisional> UavChain::provisional() {
+  std::vector<ChainStep::Provisional> out;
+  for (const Keyframe& photo : odometry_.provisional()) {
+    done_.photos[photo.id.index].keypoints = static_cast<int>(photo.inverse_depth.size());
+    out.push_back({photo.id, photo.segment, photo.T_local_cam, {}});
+    for (const GeoSegment& segment : georeferencer_.segments()) {
+      if (segment.id.segment != photo.segment || !segment.georeferenced || segment.poses.empty())
+        continue;
+      const auto& last = segment.poses.back();
+      out.back().T_world_cam = similarityAt(segment.scale, last.T_world_cam, local_.at(last.frame))
+                                   .carry(photo.T_local_cam);
+    }
   }
   return out;
 }

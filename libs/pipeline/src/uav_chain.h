@@ -47,7 +47,7 @@ class UavChain {
   void addFixes(const std::vector<GnssFix>& fixes);
   void georeference(const std::vector<std::shared_ptr<const Keyframe>>& keyframes, ChainStep& step);
   void collect(std::vector<GeoKeyframe> keyframes, ChainStep& step);
-  ChainStep::Newest newest(FrameId id);
+  std::vector<ChainStep::Provisional> provisional();
 
   const RunOptions& options_;
   StageTimes& times_;

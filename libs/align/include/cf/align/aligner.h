@@ -63,11 +63,13 @@ class Aligner {
   /// map (map_extension.h). Each time the map has grown by `growth`, all of it is solved anew, in a
   /// draft: together these cost as much as a few solves of the last. A draft is solved beside the
   /// photos that go on coming and takes effect at the next update, so that what comes out does not
-  /// depend on time. Photos that nothing in the map carries on wait for the next draft. `segments`
-  /// of all UAVs; `quality` and `cameras` by UAV.
+  /// depend on time. Photos that nothing in the map carries on wait for the next draft; that of a
+  /// UAV that can join is waited for. `segments` of all UAVs; `quality` and `cameras` by UAV.
   const PoseTable& update(const std::vector<GeoSegment>& segments,
                           const std::vector<GnssQuality>& quality,
                           const std::vector<CameraModel>& cameras);
+  /// Whether the UAV knows where it is, and no draft has been made with it since.
+  bool canJoin(std::uint16_t uav, const std::vector<GeoSegment>& segments) const;
   /// From the local frame of a segment of the photo's UAV to the newest version, at the newest
   /// photo of the segment, up to this, that is in it; none where there is none.
   std::optional<Sim3> similarity(FrameId photo, int segment) const;

@@ -62,9 +62,9 @@ class Odometry {
   /// No more photos come: all that wait.
   std::vector<std::shared_ptr<const Keyframe>> flush();
 
-  /// The photo pushed last, as known now: segment (-1: not posed yet), pose, matches, inliers,
-  /// without features. For the live display and the online trajectory. Not before the first push().
-  Keyframe newest() const;
+  /// The photos that are not final, in order, as known now: segment (-1: not posed yet), pose,
+  /// matches, inliers, without features. For the live display and the online trajectory.
+  std::vector<Keyframe> provisional() const;
 
  private:
   class Tracker;

@@ -22,15 +22,16 @@ struct ChainStep {
   /// after a damaged photo: as before.
   std::shared_ptr<const std::vector<GeoSegment>> segments;
   GnssQuality gnss;
-  /// The photo itself, before it is final: its segment and pose there. None if it is damaged.
-  struct Newest {
+  /// A photo before it is final: its segment and pose there, as known now.
+  struct Provisional {
     FrameId photo;
     int segment = 0;
     Eigen::Isometry3d T_local_cam = Eigen::Isometry3d::Identity();
     std::optional<Eigen::Isometry3d> T_world_cam;  ///< as the UAV knows it alone
   };
-  std::optional<Newest> newest;
-  std::string jpeg;  ///< the newest photo itself, at the size that dense matching needs
+  /// All that are not final, the photo processed last. None if that is damaged, and at the end.
+  std::vector<Provisional> provisional;
+  std::string jpeg;  ///< the photo itself, at the size that dense matching needs
 };
 
 }  // namespace cf
