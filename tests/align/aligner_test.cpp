@@ -289,12 +289,11 @@ TEST(Aligner, AUavThatComesLaterJoinsAtOnce) {
   std::set<FrameId> known;
   PoseTable table;
   for (const GeoKeyframe& keyframe : flight.keyframes) {  // one UAV after the other
-    const std::uint16_t uav = keyframe.keyframe->id.uav;
     aligner.push(keyframe);
     known.insert(keyframe.keyframe->id);
     const std::vector<GeoSegment> segments = segmentsOf(flight, known);
-    EXPECT_EQ(aligner.canJoin(uav, segments), keyframe.keyframe->id.index == 0);
-    if (!aligner.canJoin(uav, segments)) continue;
+    EXPECT_EQ(aligner.canJoin(segments), keyframe.keyframe->id.index == 0);
+    if (!aligner.canJoin(segments)) continue;
     table = aligner.update(segments, flight.quality, flight.cameras);
     EXPECT_EQ(table.poses.size(), known.size());
   }

@@ -38,7 +38,9 @@ class Aligner::State {
   const PoseTable& update(const UavKnowledge& known) {
     if (draft_.valid()) take(draft_.get());
     const bool first = map_.table.poses.empty();
-    const bool joins = takeNote(known.segments);
+    const bool joins = canJoin(known.segments);
+    for (const GeoSegment& segment : known.segments)
+      if (segment.georeferenced) joined_.insert(segment.id.uav);
     const double photos = static_cast<double>(solver_.graph().photos().size());
     if (joins || photos >= options_.growth * solved_photos_) {
       solved_photos_ = photos;
@@ -49,11 +51,10 @@ class Aligner::State {
     return map_.table;
   }
 
-  bool canJoin(std::uint16_t uav, const std::vector<GeoSegment>& segments) const {
-    return joined_.count(uav) == 0 &&
-           std::any_of(segments.begin(), segments.end(), [&](const GeoSegment& segment) {
-             return segment.id.uav == uav && segment.georeferenced;
-           });
+  bool canJoin(const std::vector<GeoSegment>& segments) const {
+    return std::any_of(segments.begin(), segments.end(), [&](const GeoSegment& segment) {
+      return segment.georeferenced && joined_.count(segment.id.uav) == 0;
+    });
   }
 
   std::optional<Sim3> similarity(FrameId photo, int segment) const {
@@ -71,14 +72,6 @@ class Aligner::State {
     MapSolver solver;
     Alignment alignment;
   };
-
-  /// Of the UAVs that can join; whether there is one.
-  bool takeNote(const std::vector<GeoSegment>& segments) {
-    const std::size_t before = joined_.size();
-    for (const GeoSegment& segment : segments)
-      if (segment.georeferenced) joined_.insert(segment.id.uav);
-    return joined_.size() > before;
-  }
 
   /// Beside the photos that go on coming, where there is a thread for it: it takes effect at the
   /// next update, however long it takes.
@@ -133,8 +126,8 @@ Aligner::Aligner(const AlignOptions& options, std::uint16_t center)
     : state_(std::make_unique<State>(options, center)) {}
 Aligner::~Aligner() = default;
 void Aligner::push(const GeoKeyframe& keyframe) { state_->push(keyframe); }
-bool Aligner::canJoin(std::uint16_t uav, const std::vector<GeoSegment>& segments) const {
-  return state_->canJoin(uav, segments);
+bool Aligner::canJoin(const std::vector<GeoSegment>& of_uav) const {
+  return state_->canJoin(of_uav);
 }
 const PoseTable& Aligner::update(const std::vector<GeoSegment>& segments,
                                  const std::vector<GnssQuality>& quality,

@@ -31,8 +31,8 @@ void CentralNode::receive(ChainStep step) {
   }
   for (const ChainStep::Provisional& photo : step.provisional)
     outside_.insert_or_assign(photo.photo, photo);
-  if (update_every_ > 0 &&
-      (keyframes_since_update_ >= update_every_ || aligner_.canJoin(step.uav, segments()))) {
+  const bool joins = step.segments && aligner_.canJoin(*step.segments);
+  if (update_every_ > 0 && (keyframes_since_update_ >= update_every_ || joins)) {
     version_ = &aligner_.update(segments(), gnss_, cameras_);
     keyframes_since_update_ = 0;
     for (const auto& [id, entry] : version_->poses) outside_.erase(id);

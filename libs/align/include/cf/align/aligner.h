@@ -68,8 +68,8 @@ class Aligner {
   const PoseTable& update(const std::vector<GeoSegment>& segments,
                           const std::vector<GnssQuality>& quality,
                           const std::vector<CameraModel>& cameras);
-  /// Whether the UAV knows where it is, and no draft has been made with it since.
-  bool canJoin(std::uint16_t uav, const std::vector<GeoSegment>& segments) const;
+  /// Whether a UAV, by its segments, knows where it is, and no draft has been made with it since.
+  bool canJoin(const std::vector<GeoSegment>& of_uav) const;
   /// From the local frame of a segment of the photo's UAV to the newest version, at the newest
   /// photo of the segment, up to this, that is in it; none where there is none.
   std::optional<Sim3> similarity(FrameId photo, int segment) const;
