@@ -131,7 +131,8 @@ SelfCheck domingCheck(const RunRecord& run, double pixel_m) {
     check.grade = Grade::kAmber;
     return check;
   }
-  const double measured = std::max(0.0, bend.span_m - 3 * bend.sigma_m);
+  // Four: noise alone gives three free terms a span of up to that many.
+  const double measured = std::max(0.0, bend.span_m - 4 * bend.sigma_m);
   check.value = std::max(measured, 2 * predicted.value_or(0));
   check = graded(check);
   if (!predicted && bend.sigma_m > check.green) atBest(Grade::kAmber, check);
