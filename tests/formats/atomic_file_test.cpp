@@ -4,42 +4,46 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "cf/base/error.h"
+#include "support/temp_folder.h"
 
 namespace cf {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string contentOf(const fs::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+using support::fileText;
 
 TEST(AtomicFile, WhatWasThereStaysUntilCommit) {
-  const fs::path path = fs::path(testing::TempDir()) / "cf_atomic.txt";
+  const support::TempFolder folder;
+  const fs::path path = folder / "a.txt";
   writeFileAtomically(path, "old");
   {
     AtomicFile file(path);
     file.write(std::string("half"));
-    EXPECT_EQ(contentOf(path), "old");
+    EXPECT_EQ(fileText(path), "old");
   }
-  EXPECT_EQ(contentOf(path), "old");
+  EXPECT_EQ(fileText(path), "old");
   EXPECT_FALSE(fs::exists(path.string() + ".tmp"));
   AtomicFile file(path);
   file.write(std::string("new text"));
   file.overwrite(0, "NEW");
   file.write(std::string("!"));
   file.commit();
-  EXPECT_EQ(contentOf(path), "NEW text!");
+  EXPECT_EQ(fileText(path), "NEW text!");
   EXPECT_FALSE(fs::exists(path.string() + ".tmp"));
 }
 
+TEST(AtomicFile, WhatCannotBeRenamedIsNotLeftEither) {
+  const support::TempFolder folder;
+  fs::create_directory(folder / "a");
+  EXPECT_THROW(writeFileAtomically(folder / "a", "x"), RunError);
+  EXPECT_FALSE(fs::exists(folder / "a.tmp"));
+  EXPECT_TRUE(fs::is_empty(folder / "a"));
+}
+
 TEST(AtomicFile, FailureNamesThePath) {
-  const fs::path path = fs::path(testing::TempDir()) / "cf_no_such_folder" / "x.txt";
+  const support::TempFolder folder;
+  const fs::path path = folder / "no such folder/x.txt";
   try {
     writeFileAtomically(path, "x");
     FAIL() << "must throw";

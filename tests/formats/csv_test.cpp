@@ -5,20 +5,25 @@
 #include <gtest/gtest.h>
 
 #include "cf/base/error.h"
+#include "support/temp_folder.h"
 
 namespace cf {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path fileWith(const std::string& name, const std::string& content) {
-  const fs::path path = fs::path(testing::TempDir()) / name;
-  writeFileAtomically(path, content);
-  return path;
-}
+class Csv : public ::testing::Test {
+ protected:
+  fs::path fileWith(const std::string& name, const std::string& content) const {
+    support::writeText(folder_ / name, content);
+    return folder_ / name;
+  }
 
-TEST(Csv, WhatIsWrittenIsRead) {
-  const fs::path path = fs::path(testing::TempDir()) / "cf_written.csv";
+  support::TempFolder folder_;
+};
+
+TEST_F(Csv, WhatIsWrittenIsRead) {
+  const fs::path path = folder_ / "written.csv";
   const std::vector<CsvRow> rows = {
       {"a.jpg", "1.5", ""}, {"a, b.jpg", "say \"hi\"", "two\nlines"}, {"", "", "x"}};
   CsvWriter writer(path, {"image", "t", "reason"});
@@ -30,12 +35,12 @@ TEST(Csv, WhatIsWrittenIsRead) {
   EXPECT_THROW(static_cast<void>(table.column("nothing")), RunError);
 }
 
-TEST(Csv, WindowsLineEndsTabsAndNoFinalNewline) {
+TEST_F(Csv, WindowsLineEndsTabsAndNoFinalNewline) {
   const fs::path path = fileWith("cf_tabs.tsv", "a\t1\r\n\r\nb,c\t\r\nd\t4");
   EXPECT_EQ(readCsvRows(path, '\t'), (std::vector<CsvRow>{{"a", "1"}, {"b,c", ""}, {"d", "4"}}));
 }
 
-TEST(Csv, BadFilesAreNamed) {
+TEST_F(Csv, BadFilesAreNamed) {
   EXPECT_THROW(CsvTable(fileWith("cf_short.csv", "a,b\n1,2\n3\n")), RunError);
   EXPECT_THROW(CsvTable(fileWith("cf_empty.csv", "")), RunError);
   EXPECT_THROW(static_cast<void>(readCsvRows("/nonexistent.csv")), RunError);

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "cf/base/error.h"
+#include "cf/formats/reduced_raster.h"
 #include "support/temp_folder.h"
 
 namespace cf {
@@ -97,6 +98,36 @@ TEST(GeoTiff, ASmallOneHasNoOverviewsAndNoReferenceSystemIfNoneIsGiven) {
   EXPECT_FALSE(info.contains("coordinateSystem"));
 }
 
+TEST(ReducedRaster, IsTheWholeAveragedDownToWhatIsAskedFor) {
+  const support::TempFolder folder;
+  GeoTiffWriter heights(folder / "h.tif", GeoTiffWriter::Kind::kHeights, kGrid, {});
+  cv::Mat window(700, 1200, CV_32FC1, cv::Scalar(10));
+  window.colRange(600, 1200).setTo(20);
+  window(cv::Rect(200, 200, 200, 200)).setTo(std::numeric_limits<float>::quiet_NaN());
+  heights.write(0, 0, window);
+  heights.close();
+  const ReducedRaster h = readReduced(folder / "h.tif", 120);
+  ASSERT_EQ(h.values.size(), cv::Size(120, 70));
+  ASSERT_EQ(h.values.type(), CV_32FC1);
+  EXPECT_EQ(h.grid.cell_m, 2.5);
+  EXPECT_EQ(h.grid.left_m, kGrid.left_m);
+  EXPECT_EQ(h.values.at<float>(5, 30), 10);
+  EXPECT_EQ(h.values.at<float>(65, 90), 20);
+  EXPECT_TRUE(std::isnan(h.values.at<float>(30, 30)));
+  EXPECT_EQ(readReduced(folder / "h.tif", 5000).values.size(), cv::Size(1200, 700));
+
+  GeoTiffWriter colours(folder / "c.tif", GeoTiffWriter::Kind::kColours, kGrid, {});
+  colours.write(0, 0, cv::Mat(512, 512, CV_8UC4, cv::Scalar(30, 90, 200, 255)));
+  colours.close();
+  const ReducedRaster c = readReduced(folder / "c.tif", 120);
+  ASSERT_EQ(c.values.type(), CV_8UC4);
+  const auto seen = c.values.at<cv::Vec4b>(20, 20);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(seen[k], (cv::Vec3i{30, 90, 200})[k], 2);  // it is JPEG
+  EXPECT_EQ(seen[3], 255);
+  EXPECT_EQ(c.values.at<cv::Vec4b>(20, 100)[3], 0);
+  EXPECT_THROW((void)readReduced(folder / "none.tif", 120), RunError);
+}
+
 TEST(GeoTiff, IsNotLeftHalfWritten) {
   const support::TempFolder folder;
   {
@@ -107,6 +138,10 @@ TEST(GeoTiff, IsNotLeftHalfWritten) {
   EXPECT_THROW(GeoTiffWriter(folder / "no/a.tif", GeoTiffWriter::Kind::kHeights, kGrid, {}),
                RunError);
   EXPECT_THROW(GeoTiffReader(folder / "none.tif"), RunError);
+  EXPECT_THROW(GeoTiffWriter(folder / "a.tif", GeoTiffWriter::Kind::kHeights,
+                             {100, 80, 0, 8, 0.1, "EPSG:none"}, {}),
+               RunError);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 }  // namespace

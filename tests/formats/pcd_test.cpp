@@ -5,31 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "cf/base/error.h"
+#include "support/temp_folder.h"
 
 namespace cf {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path scratch(const std::string& name) {
-  const fs::path folder = fs::path(testing::TempDir()) / "cf_pcd_test";
-  fs::create_directories(folder);
-  return folder / name;
-}
-
-std::string bytesOf(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void writeBytes(const fs::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary) << bytes;
-}
 
 template <class T>
 std::string raw(T value) {
@@ -51,10 +35,15 @@ Tile twoPoints() {
   return tile;
 }
 
-TEST(Pcd, HeaderAndRecordAreWhatPclExpects) {
-  const fs::path file = scratch("layout.pcd");
+class Pcd : public ::testing::Test {
+ protected:
+  support::TempFolder folder_;
+};
+
+TEST_F(Pcd, HeaderAndRecordAreWhatPclExpects) {
+  const fs::path file = folder_ / "layout.pcd";
   writePcd(file, twoPoints());
-  const std::string bytes = bytesOf(file);
+  const std::string bytes = support::fileText(file);
   const std::string marker = "DATA binary\n";
   const std::size_t start = bytes.find(marker) + marker.size();
   const std::string header = bytes.substr(0, start);
@@ -67,8 +56,8 @@ TEST(Pcd, HeaderAndRecordAreWhatPclExpects) {
   EXPECT_EQ(bytes.substr(start), first + std::string(22, '\0'));
 }
 
-TEST(Pcd, RoundTripIsExact) {
-  const fs::path file = scratch("round.pcd");
+TEST_F(Pcd, RoundTripIsExact) {
+  const fs::path file = folder_ / "round.pcd";
   const Tile tile = twoPoints();
   writePcd(file, tile);
   const Tile back = readPcd(file);
@@ -83,19 +72,19 @@ TEST(Pcd, RoundTripIsExact) {
   EXPECT_FALSE(fs::exists(file.string() + ".tmp"));
 }
 
-TEST(Pcd, EmptyTile) {
-  const fs::path file = scratch("empty.pcd");
+TEST_F(Pcd, EmptyTile) {
+  const fs::path file = folder_ / "empty.pcd";
   writePcd(file, Tile{});
   EXPECT_TRUE(readPcd(file).points.empty());
 }
 
-TEST(Pcd, FieldsAreFoundByNameInAnyOrder) {
-  const fs::path file = scratch("foreign.pcd");
-  writeBytes(file,
-             "VERSION 0.7\nFIELDS z normal rgb y x\nSIZE 4 4 4 4 4\nTYPE F F U F F\n"
-             "COUNT 1 3 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA binary\n" +
-                 raw(3.f) + raw(9.f) + raw(9.f) + raw(9.f) + raw(std::uint32_t{0x112233}) +
-                 raw(2.f) + raw(1.f));
+TEST_F(Pcd, FieldsAreFoundByNameInAnyOrder) {
+  const fs::path file = folder_ / "foreign.pcd";
+  support::writeText(file,
+                     "VERSION 0.7\nFIELDS z normal rgb y x\nSIZE 4 4 4 4 4\nTYPE F F U F F\n"
+                     "COUNT 1 3 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA binary\n" +
+                         raw(3.f) + raw(9.f) + raw(9.f) + raw(9.f) + raw(std::uint32_t{0x112233}) +
+                         raw(2.f) + raw(1.f));
   const Tile tile = readPcd(file);
   ASSERT_EQ(tile.points.size(), 1u);
   EXPECT_EQ(tile.points[0].position_m, Eigen::Vector3f(1, 2, 3));
@@ -104,10 +93,10 @@ TEST(Pcd, FieldsAreFoundByNameInAnyOrder) {
   EXPECT_EQ(tile.points[0].views, 0);
 }
 
-TEST(Pcd, BadFilesAreNamed) {
-  const fs::path file = scratch("bad.pcd");
+TEST_F(Pcd, BadFilesAreNamed) {
+  const fs::path file = folder_ / "bad.pcd";
   const auto messageOf = [&](const std::string& bytes) -> std::string {
-    writeBytes(file, bytes);
+    support::writeText(file, bytes);
     try {
       readPcd(file);
     } catch (const RunError& error) {
@@ -116,9 +105,9 @@ TEST(Pcd, BadFilesAreNamed) {
     return "no error";
   };
   writePcd(file, twoPoints());
-  const std::string good = bytesOf(file);
+  const std::string good = support::fileText(file);
   const std::string cut = messageOf(good.substr(0, good.size() - 1));
-  EXPECT_NE(cut.find("bad.pcd: cut short"), std::string::npos) << cut;
+  EXPECT_NE(cut.find("bad.pcd: cannot be read: cut short"), std::string::npos) << cut;
   EXPECT_NE(messageOf("").find("not a PCD file"), std::string::npos);
   EXPECT_NE(
       messageOf("FIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nPOINTS 0\nDATA binary\n").find("\"z\""),
@@ -129,8 +118,8 @@ TEST(Pcd, BadFilesAreNamed) {
   const std::string huge = messageOf(
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 99999999999999\nDATA binary\n");
   EXPECT_NE(huge.find("cut short"), std::string::npos) << huge;
-  EXPECT_THROW(readPcd(scratch("absent.pcd")), RunError);
-  EXPECT_THROW(writePcd(scratch("no/such/folder.pcd"), Tile{}), RunError);
+  EXPECT_THROW(readPcd(folder_ / "absent.pcd"), RunError);
+  EXPECT_THROW(writePcd(folder_ / "no/such/folder.pcd", Tile{}), RunError);
 }
 
 }  // namespace

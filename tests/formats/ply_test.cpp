@@ -7,17 +7,12 @@
 #include <cstring>
 
 #include "cf/base/error.h"
+#include "support/temp_folder.h"
 
 namespace cf {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path fileWith(const std::string& content) {
-  const fs::path path = fs::path(testing::TempDir()) / "cf_read.ply";
-  writeFileAtomically(path, content);
-  return path;
-}
 
 template <class T>
 std::string bytes(T value) {
@@ -26,8 +21,18 @@ std::string bytes(T value) {
   return text;
 }
 
-TEST(Ply, WhatIsWrittenIsRead) {
-  const fs::path path = fs::path(testing::TempDir()) / "cf_written.ply";
+class Ply : public ::testing::Test {
+ protected:
+  fs::path fileWith(const std::string& content) const {
+    support::writeText(folder_ / "read.ply", content);
+    return folder_ / "read.ply";
+  }
+
+  support::TempFolder folder_;
+};
+
+TEST_F(Ply, WhatIsWrittenIsRead) {
+  const fs::path path = folder_ / "written.ply";
   PlyWriter writer(path);
   for (int i = 0; i < 1234; ++i)
     writer.add({0.5F * static_cast<float>(i), -1, 7},
@@ -43,13 +48,12 @@ TEST(Ply, WhatIsWrittenIsRead) {
   EXPECT_EQ(points[1001].rgb, (std::array<std::uint8_t, 3>{1001 % 256, 100, 255}));
 }
 
-TEST(Ply, TheContractsLayoutByteForByte) {
-  const fs::path path = fs::path(testing::TempDir()) / "cf_layout.ply";
+TEST_F(Ply, TheContractsLayoutByteForByte) {
+  const fs::path path = folder_ / "layout.ply";
   PlyWriter writer(path);
   writer.add({1, 2, 3}, {4, 5, 6});
   writer.close();
-  std::ifstream in(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = support::fileText(path);
   const std::string body = bytes(1.F) + bytes(2.F) + bytes(3.F) + "\4\5\6";
   EXPECT_EQ(text.rfind("ply\nformat binary_little_endian 1.0\nelement vertex 1\n", 0), 0u);
   const std::string end =
@@ -60,7 +64,7 @@ TEST(Ply, TheContractsLayoutByteForByte) {
   EXPECT_EQ(text.substr(text.size() - end.size()), end);
 }
 
-TEST(Ply, AnyOrderDoublesListsAndElementsBefore) {
+TEST_F(Ply, AnyOrderDoublesListsAndElementsBefore) {
   const std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment by hand\nelement face 1\n"
       "property list uchar int vertex_indices\nelement vertex 2\nproperty uchar blue\n"
@@ -81,7 +85,7 @@ TEST(Ply, AnyOrderDoublesListsAndElementsBefore) {
   EXPECT_EQ(points[1].rgb, (std::array<std::uint8_t, 3>{10, 20, 30}));
 }
 
-TEST(Ply, Ascii) {
+TEST_F(Ply, Ascii) {
   const auto points =
       readPly(fileWith("ply\r\nformat ascii 1.0\r\nelement vertex 2\r\nproperty float x\r\n"
                        "property float y\r\nproperty float z\r\nproperty float red\r\n"
@@ -92,7 +96,7 @@ TEST(Ply, Ascii) {
   EXPECT_EQ(points[1].position_m, Eigen::Vector3d(-4, 50, 6));
 }
 
-TEST(Ply, BadFilesAreNamed) {
+TEST_F(Ply, BadFilesAreNamed) {
   const std::string xyz = "property float x\nproperty float y\nproperty float z\nend_header\n";
   for (const std::string& content :
        {std::string("nonsense"), std::string("ply\nformat ascii 1.0\nelement vertex 1\n"),

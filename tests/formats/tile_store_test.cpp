@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cf/base/error.h"
+#include "support/temp_folder.h"
 
 namespace cf {
 namespace {
@@ -16,13 +17,6 @@ namespace fs = std::filesystem;
 
 class TileStoreTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   static Tile tileAt(TileIndex index, int points) {
     Tile tile;
     tile.index = index;
@@ -32,7 +26,8 @@ class TileStoreTest : public testing::Test {
     return tile;
   }
 
-  fs::path folder_;
+  const support::TempFolder scratch_;
+  const fs::path folder_ = scratch_ / "cloud";
 };
 
 TEST_F(TileStoreTest, LoadsWhatItSaved) {

@@ -5,21 +5,25 @@
 #include <gtest/gtest.h>
 
 #include "cf/base/error.h"
-#include "cf/formats/atomic_file.h"
+#include "support/temp_folder.h"
 
 namespace cf {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path fileWith(const std::string& content) {
-  const fs::path path = fs::path(testing::TempDir()) / "cf_read.tum";
-  writeFileAtomically(path, content);
-  return path;
-}
+class Tum : public ::testing::Test {
+ protected:
+  fs::path fileWith(const std::string& content) const {
+    support::writeText(folder_ / "read.tum", content);
+    return folder_ / "read.tum";
+  }
 
-TEST(Tum, TimesAreExactAndPosesReturn) {
-  const fs::path path = fs::path(testing::TempDir()) / "cf_written.tum";
+  support::TempFolder folder_;
+};
+
+TEST_F(Tum, TimesAreExactAndPosesReturn) {
+  const fs::path path = folder_ / "written.tum";
   std::vector<TimedPose> poses(3);
   for (int i = 0; i < 3; ++i) {
     auto& pose = poses[static_cast<std::size_t>(i)];
@@ -36,7 +40,7 @@ TEST(Tum, TimesAreExactAndPosesReturn) {
   }
 }
 
-TEST(Tum, CommentsFewDigitsAndLongQuaternions) {
+TEST_F(Tum, CommentsFewDigitsAndLongQuaternions) {
   const auto read = readTum(fileWith("# head\n5.25 1 2 3 0 0 0 1.001\r\n\n7 0 0 0 0.6 0 0 -0.8\n"));
   ASSERT_EQ(read.size(), 2u);
   EXPECT_EQ(read[0].time, 5'250'000'000);
@@ -45,14 +49,14 @@ TEST(Tum, CommentsFewDigitsAndLongQuaternions) {
   EXPECT_EQ(read[1].time, 7'000'000'000);
 }
 
-TEST(Tum, BadLinesAreNamed) {
+TEST_F(Tum, BadLinesAreNamed) {
   for (const char* line : {"5 1 2 3 0 0 0", "5 1 2 3 0 0 0 1 9", "x 1 2 3 0 0 0 1",
                            "5 1 2 3 0 0 0 0", "5 1 2 z 0 0 0 1"}) {
     try {
       static_cast<void>(readTum(fileWith(std::string("#\n") + line + "\n")));
       FAIL() << "must throw on " << line;
     } catch (const RunError& e) {
-      EXPECT_NE(std::string(e.what()).find("cf_read.tum: line 2"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("read.tum: line 2"), std::string::npos) << e.what();
     }
   }
   EXPECT_THROW(static_cast<void>(readTum("/nonexistent.tum")), RunError);

@@ -6,21 +6,16 @@
 
 #include "cf/base/error.h"
 #include "cf/geodesy/utm.h"
-#include "cf/formats/camera_ini.h"
 #include "support/temp_folder.h"
 
 namespace cf {
 namespace {
 
-class Files : public ::testing::Test {
+class GeoTxt : public ::testing::Test {
  protected:
   GeoFile geo(const std::string& text) {
     support::writeText(path_, text);
     return readGeoTxt(path_);
-  }
-  CameraModel camera(const std::string& text) {
-    support::writeText(path_, text);
-    return readCameraIni(path_);
   }
   template <class Function>
   std::string usageError(Function function) {
@@ -32,10 +27,10 @@ class Files : public ::testing::Test {
     return "no error";
   }
   support::TempFolder folder_;
-  const std::filesystem::path path_ = folder_ / "in.txt";
+  const std::filesystem::path path_ = folder_ / "geo.txt";
 };
 
-TEST_F(Files, GeoReadsLongitudeFirst) {
+TEST_F(GeoTxt, ReadsLongitudeFirst) {
   const GeoFile g = geo("EPSG:4326\n# comment\n\na.jpg -91.99 46.84 198.5\r\n");
   ASSERT_EQ(g.entries.size(), 1u);
   EXPECT_EQ(g.entries[0].name, "a.jpg");
@@ -48,7 +43,7 @@ TEST_F(Files, GeoReadsLongitudeFirst) {
   EXPECT_EQ(geo("EPSG:4979\na 1 2 3").datum, HeightDatum::kEllipsoid);
 }
 
-TEST_F(Files, GeoReadsAttitudeAndSigmasInEitherCombination) {
+TEST_F(GeoTxt, ReadsAttitudeAndSigmasInEitherCombination) {
   const GeoFile g = geo("EPSG:4326\na 1 2 3 0.02 0.05\nb 1 2 3 10 -90 0\nc 1 2 3 10 -80 1 2 4\n");
   EXPECT_EQ(*g.entries[0].sigma_m, Eigen::Vector2d(0.02, 0.05));
   EXPECT_FALSE(g.entries[0].attitude);
@@ -58,7 +53,7 @@ TEST_F(Files, GeoReadsAttitudeAndSigmasInEitherCombination) {
   EXPECT_EQ(*g.entries[2].sigma_m, Eigen::Vector2d(2, 4));
 }
 
-TEST_F(Files, GeoReadsUtmByCodeAndByName) {
+TEST_F(GeoTxt, ReadsUtmByCodeAndByName) {
   const auto utm = geodeticToUtm({17, true}, {28.041, -82.698, 0});
   const std::string line =
       "a " + std::to_string(utm->easting_m) + " " + std::to_string(utm->northing_m) + " 3\n";
@@ -69,9 +64,9 @@ TEST_F(Files, GeoReadsUtmByCodeAndByName) {
   }
 }
 
-TEST_F(Files, GeoErrorsNameFileAndLine) {
-  EXPECT_NE(usageError([&] { geo("EPSG:3857\na 1 2 3\n"); }).find("in.txt:1"), std::string::npos);
-  EXPECT_NE(usageError([&] { geo("EPSG:4326\na 1 2\n"); }).find("in.txt:2"), std::string::npos);
+TEST_F(GeoTxt, ErrorsNameFileAndLine) {
+  EXPECT_NE(usageError([&] { geo("EPSG:3857\na 1 2 3\n"); }).find("geo.txt:1"), std::string::npos);
+  EXPECT_NE(usageError([&] { geo("EPSG:4326\na 1 2\n"); }).find("geo.txt:2"), std::string::npos);
   EXPECT_NE(usageError([&] { geo("EPSG:4326\na 1 2x 3\n"); }).find("'2x'"), std::string::npos);
   EXPECT_NE(usageError([&] { geo("EPSG:4326\na 1 2 3 0 1\n"); }).find("sigmas"), std::string::npos);
   EXPECT_NE(usageError([&] { geo("EPSG:4326\na 46 -91.99 3\n"); }).find("in this order"),
@@ -79,31 +74,6 @@ TEST_F(Files, GeoErrorsNameFileAndLine) {
   EXPECT_NE(usageError([&] { geo("EPSG:4326\n"); }).find("names no photo"), std::string::npos);
   EXPECT_NE(usageError([&] { readGeoTxt(folder_ / "none.txt"); }).find("none.txt"),
             std::string::npos);
-}
-
-TEST_F(Files, CameraReadsWhatIsGivenAndFillsTheRest) {
-  const CameraModel c = camera(
-      "[before]\nfx = 1\n[camera]\nwidth = 4000\nheight=3000 ; px\nfx = 2904.5\nk1=-0.01\n"
-      "focal_sigma = 10\n");
-  EXPECT_EQ(c.width, 4000);
-  EXPECT_EQ(c.fx, 2904.5);
-  EXPECT_EQ(c.fy, 2904.5);
-  EXPECT_EQ(c.cx, 1999.5);
-  EXPECT_EQ(c.k1, -0.01);
-  EXPECT_EQ(c.focal_sigma, 10);
-  EXPECT_EQ(c.k1_sigma, 0);
-}
-
-TEST_F(Files, CameraErrorsNameTheKey) {
-  EXPECT_NE(usageError([&] { camera("[camera]\nwidth=4\nheight=3\n"); }).find("needs fx"),
-            std::string::npos);
-  EXPECT_NE(usageError([&] {
-              camera("[camera]\nwidth=4\nheight=3\nfx=4\nfocal=3\n");
-            }).find("no key focal"),
-            std::string::npos);
-  EXPECT_NE(usageError([&] { camera("[camera]\nwidth=4x\n"); }).find("in.txt:2"),
-            std::string::npos);
-  EXPECT_NE(usageError([&] { camera(""); }).find("needs width"), std::string::npos);
 }
 
 }  // namespace

@@ -52,8 +52,13 @@ void AtomicFile::overwrite(std::uint64_t offset, const std::string& text) {
 
 void AtomicFile::commit() {
   if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) fail("cannot be written");
-  if (std::fclose(std::exchange(file_, nullptr)) != 0) fail("cannot be written");
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be replaced");
+  const bool closed = std::fclose(std::exchange(file_, nullptr)) == 0;
+  if (closed && std::rename(temporary_.c_str(), path_.c_str()) == 0) return;
+  const int reason = errno;
+  std::error_code ignored;
+  std::filesystem::remove(temporary_, ignored);
+  errno = reason;
+  fail(closed ? "cannot be replaced" : "cannot be written");
 }
 
 void AtomicFile::fail(const char* action) {

@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <map>
 
 #include "cf/base/error.h"
 #include "cf/base/text.h"
+#include "cf/formats/text_lines.h"
 
 namespace cf {
 namespace {
@@ -17,15 +17,10 @@ namespace {
 /// Keys and values of one section; comments start with ; or #.
 std::map<std::string, double> readSection(const std::filesystem::path& file,
                                           const std::string& wanted) {
-  std::error_code ignored;
-  std::ifstream in;
-  if (std::filesystem::is_regular_file(file, ignored)) in.open(file);
-  if (!in.is_open())
-    throw UsageError(fmt::format("{} cannot be read: is it there?", file.string()));
   std::map<std::string, double> values;
-  std::string line, section;
-  for (int number = 1; std::getline(in, line); ++number) {
-    line = trimmed(line.substr(0, line.find_first_of(";#")));
+  std::string section;
+  for (const auto& [number, text] : readTextLines(file)) {
+    const std::string line = trimmed(text.substr(0, text.find(';')));
     if (line.empty()) continue;
     if (line.front() == '[') {
       section = line;
@@ -35,7 +30,7 @@ std::map<std::string, double> readSection(const std::filesystem::path& file,
     const std::size_t equals = line.find('=');
     const std::string key = trimmed(line.substr(0, equals));
     const auto value =
-        equals == std::string::npos ? std::nullopt : numberFrom(trimmed(line.substr(equals + 1)));
+        equals == std::string::npos ? std::nullopt : numberFrom(line.substr(equals + 1));
     if (!value)
       throw UsageError(
           fmt::format("{}:{}: '{}' should be 'key = number'", file.string(), number, line));
@@ -53,18 +48,25 @@ CameraModel readCameraIni(const std::filesystem::path& file, const std::string& 
     const auto node = values.extract(key);
     return node.empty() ? otherwise : node.mapped();
   };
-  const auto need = [&](const char* key, double least) {
+  const auto need = [&](const char* key) {
     const double value = take(key, 0);
     constexpr double kMost = 1e6;
-    if (!(value >= least && value > 0 && value < kMost))
-      throw UsageError(
-          fmt::format("{}: [{}] needs {} in pixels, above 0", file.string(), section, key));
+    if (!(value > 0 && value < kMost))
+      throw UsageError(fmt::format("{}: [{}] needs {} in pixels, above 0 and below 1000000",
+                                   file.string(), section, key));
     return value;
   };
+  const auto needWhole = [&](const char* key) {
+    const double value = need(key);
+    if (value != std::floor(value))
+      throw UsageError(fmt::format("{}: [{}] {} = {} is not a whole number of pixels",
+                                   file.string(), section, key, value));
+    return static_cast<int>(value);
+  };
   CameraModel camera;
-  camera.width = static_cast<int>(need("width", 1));
-  camera.height = static_cast<int>(need("height", 1));
-  camera.fx = need("fx", 0);
+  camera.width = needWhole("width");
+  camera.height = needWhole("height");
+  camera.fx = need("fx");
   camera.fy = take("fy", camera.fx);
   camera.cx = take("cx", (camera.width - 1) / 2.0);
   camera.cy = take("cy", (camera.height - 1) / 2.0);

@@ -3,27 +3,17 @@
 #include "cf/formats/csv.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "cf/base/error.h"
+#include "file_bytes.h"
 
 namespace cf {
-namespace {
-
-std::string contentOf(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in.is_open() || in.bad() || std::filesystem::is_directory(path))
-    throw RunError(path.string() + ": cannot be read");
-  return text;
-}
-
-}  // namespace
 
 std::vector<CsvRow> readCsvRows(const std::filesystem::path& path, char separator) {
-  const std::string text = contentOf(path);
+  const auto bytes = fileBytes(path);
+  if (!bytes) throw RunError(path.string() + ": cannot be read");
+  const std::string& text = *bytes;
   std::vector<CsvRow> rows;
   CsvRow row;
   std::string field;

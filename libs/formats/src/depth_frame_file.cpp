@@ -60,7 +60,7 @@ class Decoder {
     std::uint32_t stored = 0;
     if (left_.size() < sizeof kMagic + sizeof stored ||
         std::memcmp(left_.data(), kMagic, sizeof kMagic) != 0) {
-      fail("is not a depth frame of this version");
+      fail("is no depth frame of this version");
     }
     left_.remove_suffix(sizeof stored);
     std::memcpy(&stored, left_.data() + left_.size(), sizeof stored);
@@ -83,7 +83,7 @@ class Decoder {
     if (!left_.empty()) fail("is damaged: there are bytes to spare");
   }
   [[noreturn]] void fail(const char* what) const {
-    throw RunError("depth frame " + source_ + " " + what + "; delete it and match again");
+    throw RunError(source_ + ": " + what + "; delete it: the pair is matched again");
   }
 
  private:
@@ -186,7 +186,7 @@ void writeDepthFrame(const std::filesystem::path& path, const DepthFrame& frame)
 
 DepthFrame readDepthFrame(const std::filesystem::path& path) {
   const auto bytes = fileBytes(path);
-  if (!bytes) throw RunError("cannot read depth frame " + path.string());
+  if (!bytes) throw RunError(path.string() + ": cannot be read");
   return decodeDepthFrame(*bytes, path.string());
 }
 

@@ -4,9 +4,7 @@
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +12,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "cf/base/disk.h"
 #include "cf/base/error.h"
 #include "gdal_support.h"
 
@@ -40,14 +39,6 @@ class GdalSetting {
   const char* key_;
 };
 
-/// The file's content is on the disk.
-bool synced(const fs::path& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
-  const bool done = fsync(file) == 0;
-  return ::close(file) == 0 && done;
-}
-
 }  // namespace
 
 struct GeoTiffWriter::Handle {
@@ -63,6 +54,7 @@ GeoTiffWriter::GeoTiffWriter(const fs::path& path, Kind kind, const GeoTiffGrid&
   const QuietGdal quiet;
   const GdalSetting inside("GDAL_TIFF_INTERNAL_MASK", "YES");
   GDALSetCacheMax64(kCacheBytes);
+  const std::string wkt = grid.crs.empty() ? std::string() : gdalWkt(path_, grid.crs);
   const bool heights = kind == Kind::kHeights;
   std::vector<std::string> options = {"TILED=YES", fmt::format("BLOCKXSIZE={}", kTile_px),
                                       fmt::format("BLOCKYSIZE={}", kTile_px), "BIGTIFF=IF_SAFER",
@@ -81,7 +73,7 @@ GeoTiffWriter::GeoTiffWriter(const fs::path& path, Kind kind, const GeoTiffGrid&
   if (!dataset) failGdal(path_, "cannot be written");
   std::array<double, 6> transform = {grid.left_m, grid.cell_m, 0, grid.top_m, 0, -grid.cell_m};
   GDALSetGeoTransform(dataset.get(), transform.data());
-  if (!grid.crs.empty()) GDALSetProjection(dataset.get(), gdalWkt(path_, grid.crs).c_str());
+  if (!wkt.empty()) GDALSetProjection(dataset.get(), wkt.c_str());
   for (const auto& [key, value] : metadata)
     GDALSetMetadataItem(dataset.get(), key.c_str(), value.c_str(), nullptr);
   if (heights) {
@@ -149,7 +141,7 @@ void GeoTiffWriter::close() {
   GDALFlushCache(dataset);
   handle_->dataset.reset();
   std::error_code error;
-  if (CPLGetLastErrorType() >= CE_Failure || !synced(temporary_)) {
+  if (CPLGetLastErrorType() >= CE_Failure || !syncFile(temporary_)) {
     fs::remove(temporary_, error);
     failGdal(path_, "cannot be written");
   }

@@ -60,7 +60,7 @@ struct Header {
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : path_(path), in_(path, std::ios::binary) {
-    if (!in_) throw RunError("cannot read " + path.string() + ": no such file or no permission");
+    if (!in_) fail("no such file or no permission");
   }
 
   Tile read() {
@@ -92,7 +92,7 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const std::string& what) const {
-    throw RunError("cannot read " + path_.string() + ": " + what);
+    throw RunError(path_.string() + ": cannot be read: " + what);
   }
 
   const Field* required(const Header& header, const char* name) const {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "cf/base/disk.h"
 #include "cf/base/error.h"
 #include "cf/formats/atomic_file.h"
 #include "cf/formats/pcd.h"
@@ -35,11 +36,7 @@ DirectoryTileStore::DirectoryTileStore(fs::path directory, double tile_size_m, d
 
 DirectoryTileStore DirectoryTileStore::create(const fs::path& directory, double tile_size_m,
                                               double voxel_size_m) {
-  std::error_code error;
-  fs::create_directories(directory / "tiles", error);
-  if (error)
-    throw RunError("cannot create folder " + (directory / "tiles").string() + ": " +
-                   error.message());
+  createFolder(directory / "tiles");
   for (const auto& item : fs::directory_iterator(directory / "tiles")) {
     const bool temporary = item.path().extension() == ".tmp" && indexOf(item.path().stem());
     if (temporary || indexOf(item.path())) fs::remove(item.path());
@@ -51,14 +48,16 @@ DirectoryTileStore DirectoryTileStore::create(const fs::path& directory, double 
 
 DirectoryTileStore DirectoryTileStore::open(const fs::path& directory) {
   const fs::path list = directory / "tiles.json";
+  const auto fail = [&](const std::string& what) {
+    return RunError(list.string() + ": cannot be read: " + what);
+  };
   std::ifstream in(list);
-  if (!in) throw RunError("cannot read " + list.string() + ": no tiles here");
-  nlohmann::json json;
+  if (!in) throw fail("there are no tiles here");
   try {
-    json = nlohmann::json::parse(in);
+    const nlohmann::json json = nlohmann::json::parse(in);
     DirectoryTileStore store(directory, json.at("tile_size_m"), json.at("voxel_size_m"));
     if (!(store.tile_size_m_ > 0 && store.voxel_size_m_ > 0))
-      throw RunError("cannot read " + list.string() + ": its sizes must be above zero");
+      throw fail("its sizes must be above zero");
     for (const auto& item : fs::directory_iterator(directory / "tiles")) {
       if (const auto index = indexOf(item.path())) {
         const Tile tile = readPcd(item.path());
@@ -67,9 +66,9 @@ DirectoryTileStore DirectoryTileStore::open(const fs::path& directory) {
     }
     return store;
   } catch (const nlohmann::json::exception& error) {
-    throw RunError("cannot read " + list.string() + ": " + error.what());
+    throw fail(error.what());
   } catch (const fs::filesystem_error& error) {
-    throw RunError("cannot read " + list.string() + ": " + error.what());
+    throw fail(error.what());
   }
 }
 

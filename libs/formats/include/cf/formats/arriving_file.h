@@ -14,7 +14,7 @@ class ArrivingFile {
   explicit ArrivingFile(std::filesystem::path path) : path_(std::move(path)) {}
 
   /// It is complete: it ends as a JPEG does, or, of whatever kind, nothing was written to it for
-  /// two seconds, as far as one can tell from earlier calls. Once true, always true.
+  /// ten seconds, as far as one can tell from earlier calls. Once true, always true.
   bool isWhole();
 
  private:

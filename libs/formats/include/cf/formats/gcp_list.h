@@ -24,7 +24,7 @@ struct GroundControlPoint {
 
 struct GcpList {
   std::filesystem::path file;  ///< that it was read from, for what there is to say about it
-  std::string crs;  ///< the first line as it is; crsFromText() of libs/geodesy reads it
+  std::string crs;             ///< the first line as it is; crsFromText() of libs/geodesy reads it
   std::vector<GroundControlPoint> points;  ///< in order of their first mark
 };
 
