@@ -101,7 +101,6 @@ TEST_P(MatchPair, measuresGroundAndRoofForAnyBaseline) {
   ASSERT_TRUE(frame.ok()) << frame.failure().detail;
   EXPECT_EQ(frame->reference.index, 0U);
   EXPECT_EQ(frame->partner.index, 1U);
-  EXPECT_NEAR(epipolarShiftPx(*frame, a, b), 0, 1e-9);
   const Accuracy accuracy = accuracyOf(scene, *frame, a, b);
   RecordProperty("matched", std::to_string(accuracy.matched));
   std::printf("matched %.3f, median %.3f px, p90 %.3f px, flying %.4f, roof %.2f m\n",

@@ -8,21 +8,15 @@
 #include <cmath>
 #include <random>
 
+#include "support/views.h"
+
 namespace cf {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
-/// Nadir camera turned by yaw (counter-clockwise from above), its axis lifted by pitch.
-Eigen::Isometry3d cameraPose(const Eigen::Vector3d& centre, double yaw_deg, double pitch_deg) {
-  Eigen::Matrix3d nadir;
-  nadir << 1, 0, 0, 0, -1, 0, 0, 0, -1;
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(yaw_deg * kDegree, Eigen::Vector3d::UnitZ()) * nadir *
-               Eigen::AngleAxisd(pitch_deg * kDegree, Eigen::Vector3d::UnitX());
-  T.translation() = centre;
-  return T;
-}
+using support::angleDeg;
+using support::kDegree;
+using support::nadirPose;
+using support::rotationErrorDeg;
 
 struct SceneOptions {
   double yaw_deg = 0;
@@ -46,9 +40,9 @@ struct Scene {
     std::mt19937 rng(seed);
     std::normal_distribution<double> gauss;
     std::uniform_real_distribution<double> uniform(-1, 1);
-    const auto T_w_a = cameraPose({0, 0, 100}, 20, o.pitch_deg);
+    const auto T_w_a = nadirPose({0, 0, 100}, 20, o.pitch_deg);
     const auto T_w_b =
-        cameraPose(Eigen::Vector3d(0, 0, 100) + o.baseline, 20 + o.yaw_deg, o.pitch_deg / 2);
+        nadirPose(Eigen::Vector3d(0, 0, 100) + o.baseline, 20 + o.yaw_deg, o.pitch_deg / 2);
     T_a_b = T_w_a.inverse() * T_w_b;
     normal_a = T_w_a.linear().transpose() * Eigen::Vector3d(0, 0, -1);
     distance = 100;
@@ -84,14 +78,6 @@ struct Scene {
     return p;
   }
 };
-
-double rotationErrorDeg(const Eigen::Isometry3d& p, const Eigen::Isometry3d& q) {
-  return Eigen::AngleAxisd(Eigen::Matrix3d(p.linear().transpose() * q.linear())).angle() / kDegree;
-}
-
-double angleDeg(const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
-  return std::atan2(u.cross(v).norm(), u.dot(v)) / kDegree;
-}
 
 TEST(Homography, RecoversThePoseForEveryYawAndPitch) {
   for (const double yaw : {0.0, 90.0, 180.0, 270.0, 37.0}) {

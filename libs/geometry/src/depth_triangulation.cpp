@@ -4,16 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <opencv2/core.hpp>
 
 namespace cf {
 namespace {
 
-constexpr double kStep = 16;         // px between the nodes of a RayField
-constexpr float kMinSine2 = 1e-8F;   // squared sine between the rays, at least
-constexpr int kShiftSamples = 2000;  // matches that epipolarShiftPx looks at, about
+constexpr double kStep = 16;        // px between the nodes of a RayField
+constexpr float kMinSine2 = 1e-8F;  // squared sine between the rays, at least
 
 bool sameLens(const CameraModel& a, const CameraModel& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
@@ -52,16 +49,6 @@ class RayField {
     const int j = static_cast<int>(y);
     const double t = y - j;
     return (1 - t) * nodes_[index(i, j)] + t * nodes_[index(i, j + 1)];
-  }
-  /// Of length 1 along the rectified z axis, about.
-  Eigen::Vector3d operator()(double u, double v) const {
-    const double x = std::clamp(u / kStep, 0.0, columns_ - 1.001);
-    const double y = std::clamp(v / kStep, 0.0, rows_ - 1.001);
-    const int i = static_cast<int>(x), j = static_cast<int>(y);
-    const double s = x - i, t = y - j;
-    const Eigen::Vector3d* top = &nodes_[index(i, j)];
-    const Eigen::Vector3d* bottom = &nodes_[index(i, j + 1)];
-    return (1 - t) * ((1 - s) * top[0] + s * top[1]) + t * ((1 - s) * bottom[0] + s * bottom[1]);
   }
 
  private:
@@ -175,10 +162,6 @@ class RowMatches {
   std::vector<Eigen::Vector4f> b_;  ///< rays; then, by fours, above zero where they meet
 };
 
-double disparityOf(const DepthFrame& frame, ushort stored) {
-  return (stored - 1) / 16.0 + frame.disparity_offset_px;
-}
-
 }  // namespace
 
 MapPoints triangulateDepth(const DepthFrame& frame, const PosedCamera& reference_now,
@@ -224,38 +207,6 @@ MapPoints triangulateDepth(const DepthFrame& frame, const PosedCamera& reference
     }
   }
   return result;
-}
-
-double epipolarShiftPx(const DepthFrame& frame, const PosedCamera& reference_now,
-                       const PosedCamera& partner_now) {
-  const Eigen::Vector3d baseline =
-      partner_now.T_world_cam.translation() - reference_now.T_world_cam.translation();
-  const Eigen::Vector3d axis =
-      reference_now.T_world_cam.linear() * frame.reference_view.R_rect_cam.transpose().col(2) +
-      partner_now.T_world_cam.linear() * frame.partner_view.R_rect_cam.transpose().col(2);
-  const Eigen::Vector3d x = baseline.normalized();
-  const Eigen::Vector3d z = (axis - axis.dot(x) * x).normalized();
-  const Eigen::Vector3d y = z.cross(x);
-  if (!(baseline.norm() > 0) || !(y.norm() > 0.5)) return std::numeric_limits<double>::infinity();
-
-  const RayField reference_rays(frame.reference_view, frame.reference_camera, reference_now);
-  const RayField partner_rays(frame.partner_view, frame.partner_camera, partner_now);
-  const int stride = std::max(
-      1, static_cast<int>(std::sqrt(static_cast<double>(frame.disparity.total()) / kShiftSamples)));
-  double sum = 0;
-  int count = 0;
-  for (int v = stride / 2; v < frame.disparity.rows; v += stride) {
-    for (int u = stride / 2; u < frame.disparity.cols; u += stride) {
-      const ushort stored = frame.disparity.at<ushort>(v, u);
-      if (stored == 0) continue;
-      const Eigen::Vector3d a = reference_rays(u, v);
-      const Eigen::Vector3d b = partner_rays(u - disparityOf(frame, stored), v);
-      const double shift = a.dot(y) / a.dot(z) - b.dot(y) / b.dot(z);
-      sum += shift * shift;
-      ++count;
-    }
-  }
-  return count ? frame.reference_view.f * std::sqrt(sum / count) : 0;
 }
 
 }  // namespace cf

@@ -25,10 +25,4 @@ MapPoints triangulateDepth(const DepthFrame& frame, const PosedCamera& reference
                            const PosedCamera& partner_now,
                            const DepthTriangulationOptions& options = {});
 
-/// RMS vertical disparity [px of the matched views] that the poses and cameras as known now predict
-/// for the frame's matches, from a sample of them. Zero where nothing has changed; above about 0.5
-/// px the pair should be matched again. Infinite where the pair has no baseline any more.
-double epipolarShiftPx(const DepthFrame& frame, const PosedCamera& reference_now,
-                       const PosedCamera& partner_now);
-
 }  // namespace cf
