@@ -159,6 +159,22 @@ int runEval(int argc, char** argv) {
           "no single bad match counts")
       ->check(CLI::Range(1, 100));
 
+  change_app->footer(
+      "Example:\n"
+      "  cf-eval change map map_later -o changes\n"
+      "Rasters lie in the UTM grid and the heights of OUT_A; beyond a significance of 3 a cell "
+      "counts\n"
+      "as changed. docs/change.md says how the runs are brought onto each other, and what sigma "
+      "is.");
+
+  app.footer(
+      "Example:\n"
+      "  cf-eval trajectory map reference        reference/images.tsv and poses.tum\n"
+      "  cf-eval cloud map reference/cloud.ply --align icp\n"
+      "  cf-eval run map town/truth --table      a flight of cf-simulate\n"
+      "  cf-eval gcp map gcp_list.txt            surveyed points\n"
+      "  cf-eval change map map_later            rasters and a picture of what has changed\n"
+      "cf-eval SUBCOMMAND --help says more; docs/evaluation.md explains the figures.");
   if (!parseArguments(app, argc, argv)) return 0;
   const std::string figures = trajectory_app->parsed() ? evaluateTrajectories(trajectory)
                               : cloud_app->parsed()    ? evaluateClouds(cloud)

@@ -61,6 +61,13 @@ std::optional<ImportOptions> importArguments(int argc, char** argv) {
   app.add_option("-o,--output", options.out_dir, "folder to write")
       ->required()
       ->type_name("OUTDIR");
+  app.footer(
+      "Example: two UAVs, then their map\n"
+      "  cf-import --images DCIM_A --images DCIM_B -o flight\n"
+      "  cf-run flight/config.ini -o map\n"
+      "Example: one flight, its strips as UAVs\n"
+      "  cf-import --images DCIM --split strips -o flight\n"
+      "Out comes flight/<uav>.rawlog with <uav>_Images/ beside it, and flight/config.ini.");
   if (!parseArguments(app, argc, argv)) return std::nullopt;
   if (!sigma.empty()) options.sigma_m = sigmaFrom(sigma);
   return options;

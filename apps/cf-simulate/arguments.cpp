@@ -27,6 +27,13 @@ std::optional<SimulateArguments> simulateArguments(int argc, char** argv) {
       ->allow_extra_args(false)
       ->type_name("section.key=value");
   app.add_flag("-w,--overwrite", arguments.request.overwrite, "replace an earlier simulation");
+  app.footer(
+      "Example: three UAVs over a town, their map, and how far it is from the truth\n"
+      "  cf-simulate scenes/town_12mp.ini -o town\n"
+      "  cf-run town/config.ini -o map -s deliver.depth_maps=1\n"
+      "  cf-eval run map town/truth --table\n"
+      "Quicker, with smaller photos: -s camera.photo_width=2000 -s camera.photo_height=1500 "
+      "-s camera.focal=1350");
   if (!parseArguments(app, argc, argv)) return std::nullopt;
   return arguments;
 }

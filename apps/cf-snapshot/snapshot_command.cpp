@@ -18,6 +18,11 @@ int snapshotCommand(int argc, char** argv) {
   app.add_option("--size", size, "Width x height [px]")->capture_default_str();
   app.add_option("-o", png, "PNG file to write")->required();
   app.set_version_flag("--version", "cf-snapshot " CF_VERSION);
+  app.footer(
+      "Example:\n"
+      "  cf-snapshot map --view iso --size 1280x720 -o iso.png\n"
+      "  cf-snapshot map --view height -o height.png     coloured by height\n"
+      "The central UAV's track is white; red lines join photos of two UAVs that were matched.");
   if (!parseArguments(app, argc, argv)) return 0;
   const View wanted = parseView(view);
   const ImageSize pixels = parseImageSize(size);
