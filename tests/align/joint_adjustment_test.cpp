@@ -311,6 +311,34 @@ TEST(AdjustJointly, WithoutFixesTheGivenPosesHoldTheMap) {
     EXPECT_LT((T.translation() - flight.T_world_cam.at(id).translation()).norm(), 2);
 }
 
+/// A photo that is held and sees no point of the map changes nothing.
+TEST(AdjustJointly, AHeldPhotoWithoutPointsIsBorne) {
+  LawnMower plan;
+  plan.lines = 2;
+  plan.per_line = 4;
+  const Simulation flight = FlightSimulator({}, 8).fly({plan});
+  const MatchGraph graph = graphOf(flight);
+  JointProblem problem = problemOf(flight, 0.5, 0.5);
+  problem.photos.back().held = true;
+  problem.photos.back().fix.reset();
+  std::vector<Track> tracks = buildTracks(graph);
+  for (Track& track : tracks)
+    track.erase(std::remove_if(track.begin(), track.end(),
+                               [&](const auto& o) { return o.frame == problem.photos.back().id; }),
+                track.end());
+  for (const bool draft : {true, false}) {
+    problem.draft = draft;
+    const JointSolution with = adjustJointly(graph, tracks, problem, {});
+    JointProblem without_it = problem;
+    without_it.photos.pop_back();
+    const JointSolution without = adjustJointly(graph, tracks, without_it, {});
+    EXPECT_TRUE(with.T_world_cam.at(problem.photos.back().id)
+                    .isApprox(problem.photos.back().T_world_cam, 1e-12));
+    for (const auto& [id, T] : without.T_world_cam)
+      EXPECT_LT((with.T_world_cam.at(id).translation() - T.translation()).norm(), 1e-6);
+  }
+}
+
 TEST(AdjustJointly, IsDeterministic) {
   LawnMower plan;
   plan.lines = 2;

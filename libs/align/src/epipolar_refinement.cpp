@@ -5,6 +5,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "cf/base/median.h"
 
 namespace cf {
 namespace {
@@ -52,9 +55,7 @@ EpipolarPose refineEpipolar(const Eigen::Isometry3d& T_a_b, const std::vector<Ei
     for (std::size_t i = 0; i < a.size(); ++i) {
       if (inlier[i]) errors.push_back(std::abs(sampsonError(here, a[i], b[i])));
     }
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    const double sigma = std::max(1.4826 * *middle, 1e-9);
+    const double sigma = std::max(1.4826 * upperMedian(std::move(errors)), 1e-9);
 
     Eigen::Matrix3d plus[5], minus[5];
     for (int k = 0; k < 5; ++k) {

@@ -28,6 +28,11 @@ constexpr double kDistortionDeviation = 0.005;  ///< of k1 and k2 between UAVs
 constexpr double kTangentialDeviation = 0.0005;
 constexpr int kDraws = 500;            ///< of the errors of a map: 3 % in a standard deviation
 constexpr double kBiasOverNoise = 10;  ///< a receiver's bias is no more than this times its noise
+/// Prior of the poses given, all photos of a component together: enough for what nothing else
+/// observes, nothing against what does.
+constexpr double kGivenRotationSigma = 0.05;  ///< [rad]
+constexpr double kGivenPositionSigma = 0.2;   ///< of the median depth
+constexpr double kFinalPx = 2;                ///< threshold of the points that are told
 
 /// From coarse to fine: what was thrown out while the poses were rough gets its chance again.
 struct Round {
@@ -109,7 +114,7 @@ class Adjustment {
     }
     for (const auto& [uav, bias] : biases_)
       out.bias_m[uav] = Eigen::Vector3d(bias[0], bias[1], bias[2]);
-    out.points = triangulateTracks(graph_, tracks_, posed(), 2);
+    out.points = triangulateTracks(graph_, tracks_, posed(), kFinalPx);
     out.reprojection_rms_px = reprojectionRmsPx(graph_, out.points, posed());
     return out;
   }
@@ -248,16 +253,19 @@ class Adjustment {
                                     [](const JointPhoto& photo) { return !photo.held; });
     const double n = std::sqrt(static_cast<double>(free));
     std::map<std::uint16_t, Eigen::Vector3d> noise;  // of the worst fix of each UAV
+    const double rotation_sigma = kGivenRotationSigma * n;
+    const double position_sigma_m = kGivenPositionSigma * problem_.median_depth_m * n;
     for (const JointPhoto& photo : problem_.photos) {
-      if (photo.held) continue;
       PoseBlock& pose = *poses_.at(photo.id);
-      // What is given counts once for the whole component, as one observation of 3 degrees and of
-      // a fifth of the depth: enough for what nothing else observes, nothing against what does.
-      const double arm = 0.2 * problem_.median_depth_m;
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, kPose>(new PosePrior{
-                                   Eigen::Quaterniond(photo.T_world_cam.linear()),
-                                   photo.T_world_cam.translation(), 1 / (0.05 * n), 1 / (arm * n)}),
-                               nullptr, pose.data());
+      if (photo.held) {
+        problem.AddParameterBlock(pose.data(), kPose);  // it may see no point
+        continue;
+      }
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PosePrior, 6, kPose>(new PosePrior{
+              Eigen::Quaterniond(photo.T_world_cam.linear()), photo.T_world_cam.translation(),
+              1 / rotation_sigma, 1 / position_sigma_m}),
+          nullptr, pose.data());
       if (!photo.fix) continue;
       auto& bias = biases_[photo.id.uav];
       problem.AddResidualBlock(
@@ -324,8 +332,7 @@ class Adjustment {
         problem.SetManifold(lenses_[uav].data(), new ceres::SubsetManifold(kLens, held));
     }
     for (const JointPhoto& photo : problem_.photos)
-      if (double* pose = poses_.at(photo.id)->data(); photo.held && problem.HasParameterBlock(pose))
-        problem.SetParameterBlockConstant(pose);
+      if (photo.held) problem.SetParameterBlockConstant(poses_.at(photo.id)->data());
   }
 
   const MatchGraph& graph_;

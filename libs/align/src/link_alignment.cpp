@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "cf/base/median.h"
 #include "cf/features/patch_alignment.h"
 
 namespace cf {
@@ -86,10 +87,7 @@ std::map<std::uint64_t, std::vector<std::size_t>> byCell(
     depths.push_back(
         (photos.at(link.observations.front().frame).T_world_cam.inverse() * link.position_m).z());
   std::map<std::uint64_t, std::vector<std::size_t>> cells;
-  if (links.empty()) return cells;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  const double cell_m = kCellDepths * *middle;
+  const double cell_m = kCellDepths * upperMedian(std::move(depths));
   for (std::size_t i = 0; i < links.size(); ++i)
     cells[alongCurve(links[i].position_m.x() / cell_m, links[i].position_m.y() / cell_m)].push_back(
         i);

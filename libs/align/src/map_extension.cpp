@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "cf/base/median.h"
 #include "relative_poses.h"
 
 namespace cf {
@@ -64,15 +65,12 @@ void adjustWindow(const MatchGraph& graph, const std::set<FrameId>& carried, int
   for (std::size_t i = 0; i < all; ++i) add(partners[i], i >= free);
   std::sort(problem.photos.begin(), problem.photos.end(),
             [](const JointPhoto& a, const JointPhoto& b) { return a.id < b.id; });
-  std::nth_element(depths.begin(), depths.begin() + static_cast<long>(depths.size() / 2),
-                   depths.end());
-  problem.median_depth_m = depths[depths.size() / 2];
+  problem.median_depth_m = upperMedian(std::move(depths));
   if (problem.photos.size() < 2 || !(problem.median_depth_m > 0)) return;
 
   const JointSolution solution = adjustJointly(graph, buildTracks(graph, photos), problem, options);
   for (const JointPhoto& photo : problem.photos)
-    if (!photo.held)
-      map.table.poses.at(photo.id).T_world_cam = solution.T_world_cam.at(photo.id);
+    if (!photo.held) map.table.poses.at(photo.id).T_world_cam = solution.T_world_cam.at(photo.id);
   // Depths and scales of the fresh ones: those of the others were measured with more points.
   std::vector<SparsePoint> points = solution.points;
   for (SparsePoint& point : points) {

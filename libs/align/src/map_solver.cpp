@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "cf/base/median.h"
 #include "homography_alignment.h"
 #include "map_extension.h"
 #include "relative_poses.h"
@@ -27,9 +28,7 @@ double medianDepthOf(const Keyframe& photo) {
   for (const float value : photo.inverse_depth)
     if (value > 0) inverse.push_back(value);
   if (inverse.empty()) return 0;
-  const auto middle = inverse.begin() + static_cast<long>(inverse.size() / 2);
-  std::nth_element(inverse.begin(), middle, inverse.end());
-  return 1 / static_cast<double>(*middle);
+  return 1 / static_cast<double>(upperMedian(std::move(inverse)));
 }
 
 /// Where a photo is before alignment, as its UAV knows it.
@@ -194,9 +193,7 @@ void MapSolver::adjust(const Placement& placement, const UavKnowledge& known, bo
       if (depth > 0) depths.push_back(depth);
     }
     if (problem.photos.size() < 2 || depths.empty()) continue;
-    std::nth_element(depths.begin(), depths.begin() + static_cast<long>(depths.size() / 2),
-                     depths.end());
-    problem.median_depth_m = depths[depths.size() / 2];
+    problem.median_depth_m = upperMedian(std::move(depths));
     JointSolution solution = adjustJointly(graph_, tracks, problem, options_.joint);
     for (const auto& [id, T] : solution.T_world_cam) {
       const auto covariance = solution.covariance.find(id);

@@ -24,7 +24,7 @@ void MatchGraph::add(std::shared_ptr<const Keyframe> keyframe) {
 bool MatchGraph::match(const std::vector<Pair>& pairs) {
   std::vector<Pair> todo;
   for (const Pair& pair : pairs)
-    if (tried_.emplace(pair, true).second) todo.push_back(pair);
+    if (tried_.insert(pair).second) todo.push_back(pair);
   std::vector<std::vector<FeatureMatch>> results(todo.size());
   tbb::parallel_for(std::size_t{0}, todo.size(), [&](std::size_t k) {
     const auto& [ia, ib] = todo[k];

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include "cf/base/median.h"
 
 namespace cf {
 namespace {
@@ -34,12 +37,7 @@ std::size_t octaveOf(const FeatureSet& features, int feature) {
 }
 
 /// Standard deviation of one coordinate from lengths of plane errors: their median is 1.177 of it.
-double sigmaOf(std::vector<double>& lengths) {
-  if (lengths.empty()) return 0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle / 1.1774;
-}
+double sigmaOf(std::vector<double> lengths) { return upperMedian(std::move(lengths)) / 1.1774; }
 
 }  // namespace
 
@@ -70,12 +68,12 @@ ObservationNoise measureNoise(const Sights& sights, const std::map<FrameId, Pose
   if (redundancy <= 0) return noise;
   const double count = static_cast<double>(lengths.size());
   const double absorbed = std::sqrt(2 * count / redundancy);  // by the points
-  noise.sigma_px = absorbed * sigmaOf(lengths);
+  noise.sigma_px = absorbed * sigmaOf(std::move(lengths));
   // What an octave with few features shows counts for little against what all show.
   constexpr double kBelief = 50;
   for (std::size_t i = 0; i < ObservationNoise::kOctaves; ++i) {
     const double n = static_cast<double>(octave_lengths[i].size());
-    const double own = absorbed * sigmaOf(octave_lengths[i]);
+    const double own = absorbed * sigmaOf(std::move(octave_lengths[i]));
     noise.octave_sigma_px[i] =
         std::sqrt((n * own * own + kBelief * noise.sigma_px * noise.sigma_px) / (n + kBelief));
   }

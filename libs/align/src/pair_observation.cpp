@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "cf/base/median.h"
 #include "cf/geometry/homography.h"
 #include "cf/geometry/triangulation.h"
 #include "cf/geometry/two_view.h"
@@ -167,17 +168,12 @@ DepthLength lengthBy(const std::vector<double>& known, const std::vector<double>
     if (o.inlier[i] && known[i] > 0 && observed[i] > 0) ratios.push_back(known[i] / observed[i]);
   }
   if (static_cast<int>(ratios.size()) < kMinDepths) return {};
-  const auto middle = static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  const auto median = [&] {
-    std::nth_element(ratios.begin(), ratios.begin() + middle, ratios.end());
-    return ratios[static_cast<std::size_t>(middle)];
-  };
-  const double unit_m = median();
+  const double unit_m = upperMedian(ratios);
   const auto count = static_cast<double>(ratios.size());
   for (double& r : ratios) r = std::abs(r - unit_m);
   // Sigma of a median from the median absolute deviation.
-  const double unit_sigma_m =
-      std::hypot(1.2533 * 1.4826 * median() / std::sqrt(count), kDepthFloor * unit_m);
+  const double unit_sigma_m = std::hypot(
+      1.2533 * 1.4826 * upperMedian(std::move(ratios)) / std::sqrt(count), kDepthFloor * unit_m);
   const double units = o.T_a_b.translation().norm();
   return {units * unit_m, std::hypot(o.along_sigma * unit_m, units * unit_sigma_m)};
 }
@@ -224,12 +220,41 @@ DepthLength mergeLengths(const PairView& a, const DepthLength& by_a, const PairV
   return {(wa * la.length_m + wb * lb.length_m) / (wa + wb), 1 / std::sqrt(wa + wb)};
 }
 
+using Again = std::function<Observed(const Matched&)>;
+
+/// By the model that holds, with how to observe again from points that lie a little elsewhere.
+Result<std::pair<Observed, Again>> observed(const PairView& a, const PairView& b, const Matched& m,
+                                            const PairOptions& options) {
+  const PlanePrior prior = priorOf(a, b, m, options.prior_sigma_deg * kDegree);
+  const auto planar = estimatePlanarPose(m.a, m.b, prior, {options.threshold, options.min_inliers});
+  if (isPlanar(planar, m, options)) {
+    if (ambiguous(*planar))
+      return Failure{"ambiguous",
+                     "two planes explain the photos and neither depths nor attitudes tell which"};
+    return std::pair<Observed, Again>(
+        byHomography(*planar, m), [start = *planar, prior](const Matched& changed) {
+          PlanarPose pose = start;
+          pose.motion =
+              refinePlaneMotion(changed.a, changed.b, pose.inlier, pose.sigma, pose.motion, prior);
+          return byHomography(pose, changed);
+        });
+  }
+  TwoViewOptions two_view;
+  two_view.threshold = options.threshold;
+  two_view.min_inliers = options.min_inliers;
+  const auto view = estimateTwoView(m.a, m.b, two_view);
+  if (!view) return view.failure();
+  return std::pair<Observed, Again>(byEssential(*view, m), [start = *view](const Matched& changed) {
+    return byEssential(start, changed);
+  });
+}
+
 /// What the cameras' uncertainty adds to the covariance of the pose, to first order: the matches
 /// seen through changed cameras give another pose.
 Matrix6d cameraCovariance(const PairView& a, const PairView& b,
                           const std::vector<FeatureMatch>& matches, const Matched& m,
                           const Eigen::Isometry3d& T_a_b, const PairObservation& observation,
-                          const std::function<Observed(const Matched&)>& again) {
+                          const Again& again) {
   Matrix6d covariance = Matrix6d::Zero();
   for (const auto& [camera_a, camera_b] : cameraErrors(a.keyframe->camera, b.keyframe->camera)) {
     Matched changed = m;
@@ -288,33 +313,9 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
     return Failure{"few_matches", total + ", " + std::to_string(options.min_inliers) + " needed"};
   }
   const Matched m = gather(a, b, matches);
-  const double prior_sigma_rad = options.prior_sigma_deg * kDegree;
-  const PlanePrior prior = priorOf(a, b, m, prior_sigma_rad);
-  const auto planar = estimatePlanarPose(m.a, m.b, prior, {options.threshold, options.min_inliers});
-  Observed o;
-  std::function<Observed(const Matched&)> again;  // from points that lie a little elsewhere
-  if (isPlanar(planar, m, options)) {
-    if (ambiguous(*planar)) {
-      return Failure{"ambiguous",
-                     "two planes explain the photos and neither depths nor attitudes "
-                     "tell which"};
-    }
-    o = byHomography(*planar, m);
-    again = [start = *planar, prior](const Matched& changed) {
-      PlanarPose pose = start;
-      pose.motion =
-          refinePlaneMotion(changed.a, changed.b, pose.inlier, pose.sigma, pose.motion, prior);
-      return byHomography(pose, changed);
-    };
-  } else {
-    TwoViewOptions two_view;
-    two_view.threshold = options.threshold;
-    two_view.min_inliers = options.min_inliers;
-    const auto view = estimateTwoView(m.a, m.b, two_view);
-    if (!view) return view.failure();
-    o = byEssential(*view, m);
-    again = [start = *view](const Matched& changed) { return byEssential(start, changed); };
-  }
+  auto observation = observed(a, b, m, options);
+  if (!observation) return observation.failure();
+  auto& [o, again] = observation.value();
   if (o.inliers < options.min_share * static_cast<double>(matches.size())) {
     return Failure{"low_share", std::to_string(o.inliers) + " inliers of " + total};
   }
@@ -357,7 +358,6 @@ Result<PairObservation> observePair(const PairView& a, const PairView& b,
   pose.inliers = o.inliers;
   pose.T_a_b = o.T_a_b;
   pose.T_a_b.translation() = length_m * u;
-  pose.residual_before = (predicted.translation() - pose.T_a_b.translation()).norm();
 
   Matrix6d covariance = Matrix6d::Zero();  // of translation [m] and rotation [rad], axes of a
   covariance.topLeftCorner<3, 3>() = square(along_sigma_m) * along +

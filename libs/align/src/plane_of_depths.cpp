@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cf/base/median.h"
+
 namespace cf {
 
 std::optional<Eigen::Vector3d> normalOfDepths(const std::vector<Eigen::Vector2d>& points,
@@ -29,15 +31,12 @@ std::optional<Eigen::Vector3d> normalOfDepths(const std::vector<Eigen::Vector2d>
     for (std::size_t i = 0; i < rows.size(); ++i) {
       residual[i] = std::abs(rows[i].head<3>().dot(fit) - rows[i][3]);
     }
-    std::vector<double> sorted = residual;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const double scale = std::max(2 * *middle, 1e-12);
+    const double scale = std::max(2 * upperMedian(residual), 1e-12);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       weight[i] = 1 / (1 + std::pow(residual[i] / scale, 2));
     }
   }
-  if (fit.z() <= 0) return std::nullopt;
+  if (!(fit.z() > 0)) return std::nullopt;
   return fit.normalized();
 }
 

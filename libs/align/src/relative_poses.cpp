@@ -8,6 +8,8 @@
 #include <cmath>
 #include <utility>
 
+#include "cf/base/median.h"
+
 namespace cf {
 namespace {
 
@@ -77,11 +79,7 @@ std::map<FrameId, double> scalesInMap(const MatchGraph& graph, const PoseTable& 
       if (inverse > 0 && depth > 0) ratios[o.frame].push_back(depth * inverse);
     }
   std::map<FrameId, double> scales;
-  for (auto& [id, values] : ratios) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    scales[id] = *middle;
-  }
+  for (auto& [id, values] : ratios) scales[id] = upperMedian(std::move(values));
   return scales;
 }
 

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
+#include "cf/base/median.h"
 #include "cf/geometry/pnp.h"
 #include "cf/geometry/similarity.h"
 
@@ -13,6 +15,7 @@ namespace cf {
 namespace {
 
 constexpr int kMinSharedPoints = 12;
+constexpr double kAgreeingDepths = 0.03;  ///< distance of shared points, of the median depth
 constexpr int kMinPairInliers = 8;
 constexpr int kCells = 5;              ///< by which an overlap is divided, each way
 constexpr double kMinCover = 0.25;     ///< part of an overlap's cells in which photos must agree
@@ -26,13 +29,6 @@ struct Piece {
   double median_depth = 0;  ///< piece frame units; 0 = nothing triangulated
 };
 
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Piece pieceOf(const GeoSegment& segment, const MatchGraph& graph) {
   Piece piece;
   piece.segment = &segment;
@@ -44,20 +40,18 @@ Piece pieceOf(const GeoSegment& segment, const MatchGraph& graph) {
     for (const float inverse : graph.photo(pose.frame).inverse_depth)
       if (inverse > 0) depths.push_back(piece.scale / static_cast<double>(inverse));
   }
-  piece.median_depth = medianOf(std::move(depths));
+  piece.median_depth = upperMedian(std::move(depths));
   return piece;
 }
 
-/// A feature's point in the frame of a pose; false where it has no depth.
-bool pointOf(const Keyframe& photo, int feature, const Eigen::Isometry3d& T_frame_cam, double scale,
-             Eigen::Vector3d& point) {
+/// A feature's point in the frame of a pose; none where it has no depth.
+std::optional<Eigen::Vector3d> pointOf(const Keyframe& photo, int feature,
+                                       const Eigen::Isometry3d& T_frame_cam, double scale) {
   const auto f = static_cast<std::size_t>(feature);
-  if (photo.inverse_depth[f] <= 0) return false;
+  if (photo.inverse_depth[f] <= 0) return std::nullopt;
   const Eigen::Vector3d ray =
       photo.camera.undistort(photo.features->pixel[f].cast<double>()).homogeneous();
-  point =
-      T_frame_cam * Eigen::Vector3d(ray * (scale / static_cast<double>(photo.inverse_depth[f])));
-  return true;
+  return T_frame_cam * Eigen::Vector3d(ray * (scale / static_cast<double>(photo.inverse_depth[f])));
 }
 
 struct Joint {
@@ -94,12 +88,11 @@ std::map<std::pair<int, int>, Shared> sharedPoints(const std::vector<Piece>& pie
     Shared& points = shared[{a, b}];
     for (const FeatureMatch& m : matches) {
       const int feature_a = ordered ? m.a : m.b, feature_b = ordered ? m.b : m.a;
-      Eigen::Vector3d in_a, in_b;
-      if (!pointOf(graph.photo(photo_a), feature_a, A.poses.at(photo_a), A.scale, in_a) ||
-          !pointOf(graph.photo(photo_b), feature_b, B.poses.at(photo_b), B.scale, in_b))
-        continue;
-      points.a.push_back(in_a);
-      points.b.push_back(in_b);
+      const auto in_a = pointOf(graph.photo(photo_a), feature_a, A.poses.at(photo_a), A.scale);
+      const auto in_b = pointOf(graph.photo(photo_b), feature_b, B.poses.at(photo_b), B.scale);
+      if (!in_a || !in_b) continue;
+      points.a.push_back(*in_a);
+      points.b.push_back(*in_b);
       points.views.push_back({photo_a, photo_b, feature_a});
     }
   }
@@ -126,9 +119,9 @@ void coverOf(const Keyframe& a, const Eigen::Isometry3d& T_a, double scale_a, co
   Eigen::AlignedBox2f box;
   const Eigen::Isometry3d T_b_inverse = T_b.inverse();
   for (int f = 0; f < static_cast<int>(a.features->size()); ++f) {
-    Eigen::Vector3d p;
-    if (!pointOf(a, f, T_a, scale_a, p)) continue;
-    const Eigen::Vector3d seen = T_b_inverse * (S_b_a * p);
+    const auto p = pointOf(a, f, T_a, scale_a);
+    if (!p) continue;
+    const Eigen::Vector3d seen = T_b_inverse * (S_b_a * *p);
     if (seen.z() <= 0 || !b.camera.contains(b.camera.project(seen))) continue;
     visible.push_back(f);
     box.extend(a.features->pixel[static_cast<std::size_t>(f)]);
@@ -180,7 +173,7 @@ std::vector<Joint> findJoints(const std::vector<Piece>& pieces, const MatchGraph
     const Piece& A = pieces[static_cast<std::size_t>(key.first)];
     const Piece& B = pieces[static_cast<std::size_t>(key.second)];
     const auto alignment = alignPointsRobust(points.a, points.b, AlignmentModel::kSim3,
-                                             0.03 * A.median_depth, kMinSharedPoints, 1);
+                                             kAgreeingDepths * A.median_depth, kMinSharedPoints, 1);
     if (alignment && holds(*alignment, points, A, B, graph))
       joints.push_back({key.first, key.second, alignment->inliers, alignment->S_a_b});
   }
@@ -305,11 +298,10 @@ void resectLoners(const MatchGraph& graph, const std::vector<Piece>& pieces, Pla
         auto& [points, seen] = by_component[placed->second.component];
         for (const FeatureMatch& m : matches) {
           const int own = pair.first == id ? m.a : m.b, theirs = pair.first == id ? m.b : m.a;
-          Eigen::Vector3d p;
-          if (!pointOf(graph.photo(other), theirs, placed->second.T_world_cam, placed->second.scale,
-                       p))
-            continue;
-          points.push_back(p);
+          const auto p =
+              pointOf(graph.photo(other), theirs, placed->second.T_world_cam, placed->second.scale);
+          if (!p) continue;
+          points.push_back(*p);
           seen.push_back(photo.camera.undistort(
               photo.features->pixel[static_cast<std::size_t>(own)].cast<double>()));
         }

@@ -45,8 +45,8 @@ struct JointProblem {
   std::vector<CameraModel> cameras;  ///< by UAV
   double median_depth_m = 0;         ///< for the scale of the weak priors
   bool cameras_held = false;
-  /// For a map that a later one replaces: fewer points, detections alone, no covariances; a tenth of
-  /// the time.
+  /// For a map that a later one replaces: fewer points, detections alone, no covariances; a tenth
+  /// of the time.
   bool draft = false;
   /// Where points seen from several strips or UAVs are aligned by grey values; without it their
   /// detections have to do.

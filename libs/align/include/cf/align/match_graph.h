@@ -47,7 +47,7 @@ class MatchGraph {
   std::map<FrameId, std::vector<Eigen::Vector2d>> normalized_;
   std::map<FrameId, double> thresholds_;
   std::map<Pair, std::vector<FeatureMatch>> pairs_;
-  std::map<Pair, bool> tried_;
+  std::set<Pair> tried_;
 };
 
 /// One ground point as seen by several photos: at most one feature of each.

@@ -46,7 +46,8 @@ struct DepthLength {
 };
 
 struct PairObservation {
-  RelativePose pose;  ///< in metres; the length is the weighted mean of the two below
+  /// In metres; the length is the weighted mean of the two below. Its residuals are not set.
+  RelativePose pose;
   PairModel model = PairModel::kHomography;
   int segment_a = 0, segment_b = 0;
   Eigen::Vector3d direction_a = Eigen::Vector3d::UnitX();  ///< unit, from a to b, in a

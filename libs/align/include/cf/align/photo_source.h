@@ -9,8 +9,8 @@
 
 namespace cf {
 
-/// The photos themselves, 8-bit grey, of any size, for what features alone cannot tell; empty where there
-/// is none. Called from several threads.
+/// The photos themselves, 8-bit grey, of any size, for what features alone cannot tell; empty where
+/// there is none. Called from several threads.
 using PhotoSource = std::function<cv::Mat(FrameId)>;
 
 }  // namespace cf
