@@ -187,6 +187,9 @@ TEST_P(EachMatcher, saysWhyThereIsNoDepth) {
   DenseView no_depth = viewOf(a, 0);
   no_depth.near_depth_m = no_depth.median_depth_m = no_depth.far_depth_m = 0;
   EXPECT_EQ(codeOf(matchPair(no_depth, image, viewOf(b, 1), image, options)), "no_depth");
+  DenseView at_its_feet = viewOf(a, 0);  // thousands of pixels of disparity
+  at_its_feet.near_depth_m = 1;
+  EXPECT_EQ(codeOf(matchPair(at_its_feet, image, viewOf(b, 1), image, options)), "wide_range");
   const PosedCamera far_away = cameraAt(distortedCamera(), 90, 0, 50);
   EXPECT_EQ(codeOf(matchPair(viewOf(a, 0), image, viewOf(far_away, 1), image, options)),
             "little_overlap");

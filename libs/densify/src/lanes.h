@@ -14,7 +14,6 @@ using Cost = std::int16_t;
 // Sixteen at a time, in the compiler's own vector notation.
 inline constexpr int kLanes = 16;
 using Lanes = Cost __attribute__((vector_size(2 * kLanes)));
-using HalfLanes = Cost __attribute__((vector_size(kLanes)));
 using ByteLanes = std::uint8_t __attribute__((vector_size(kLanes)));
 
 template <class V>
@@ -52,25 +51,6 @@ CF_INLINE ByteLanes fromBelow(ByteLanes before, ByteLanes v) {
 /// Each lane's upper neighbour; the last gets the first lane of `after`.
 CF_INLINE ByteLanes fromAbove(ByteLanes v, ByteLanes after) {
   return CF_SHUFFLE2(v, after, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
-}
-
-CF_INLINE HalfLanes firstHalf(Lanes v) {
-  HalfLanes half;
-  std::memcpy(&half, &v, sizeof half);
-  return half;
-}
-CF_INLINE HalfLanes secondHalf(Lanes v) {
-  HalfLanes halves[2];
-  std::memcpy(halves, &v, sizeof v);
-  return halves[1];
-}
-
-CF_INLINE Cost leastOf(Lanes lanes) {
-  HalfLanes v = lesser(firstHalf(lanes), secondHalf(lanes));
-  v = lesser(v, CF_SHUFFLE(v, 4, 5, 6, 7, 0, 1, 2, 3));
-  v = lesser(v, CF_SHUFFLE(v, 2, 3, 0, 1, 6, 7, 4, 5));
-  v = lesser(v, CF_SHUFFLE(v, 1, 0, 3, 2, 5, 4, 7, 6));
-  return v[0];
 }
 
 }  // namespace cf

@@ -18,12 +18,15 @@ constexpr double kNearMargin = 0.35;  // of the median depth: trees and roofs wi
 constexpr double kFarMargin = 0.15;   // of the median depth
 constexpr double kMinMatched = 0.01;  // share of the view's pixels
 constexpr int kStrip = 128;           // rows resampled at once: their table stays in the cache
+/// A partner was chosen by its overlap at the median depth: relief may leave so much of that.
+constexpr double kOverlapLeft = 0.5;
+constexpr double kRoundingUp = 0.3;  // reduction by n from n - 0.3 on: aliasing begins before n
 
 /// The photo reduced by an integer factor where the view samples it far below its resolution, so
 /// that the remap does not alias.
 cv::Mat reduced(const cv::Mat& image, const CameraModel& camera, double f) {
   const double ratio = camera.scaled(image.cols, image.rows).fx / f;
-  const int factor = static_cast<int>(ratio + 0.3);
+  const int factor = static_cast<int>(ratio + kRoundingUp);
   if (factor < 2) return image;
   cv::Mat out;
   cv::resize(image, out, {image.cols / factor, image.rows / factor}, 0, 0, cv::INTER_AREA);
@@ -80,7 +83,7 @@ Result<DepthFrame> matchPair(const DenseView& reference, const cv::Mat& referenc
       std::clamp(reference.median_depth_m, reference.near_depth_m, reference.far_depth_m);
   RectificationRequest request;
   request.megapixels = options.megapixels;
-  request.min_overlap = 0.5 * options.min_overlap;
+  request.min_overlap = kOverlapLeft * options.min_overlap;
   request.near_depth_m = reference.near_depth_m;
   request.far_depth_m = reference.far_depth_m;
   request.search_near_depth_m =
@@ -88,6 +91,10 @@ Result<DepthFrame> matchPair(const DenseView& reference, const cv::Mat& referenc
   request.search_far_depth_m = reference.far_depth_m + kFarMargin * median;
   const Result<RectifiedPair> pair = rectifyPair(a, b, request);
   if (!pair) return pair.failure();
+  if (std::max(-pair->min_disparity_px, pair->max_disparity_px) >= kMostDisparity_px) {
+    return Failure{"wide_range", fmt::format("disparities from {} to {} px", pair->min_disparity_px,
+                                             pair->max_disparity_px)};
+  }
 
   const Rectified left = rectify(reference_image, reference.camera, pair->reference);
   cv::Mat partner_grey;

@@ -17,14 +17,14 @@ namespace cf {
 
 /// Section [densify].
 struct DensifyOptions {
-  double megapixels = 1.5;
-  std::string matcher = "sgm";
-  int partners = 2;
-  double min_baseline_over_depth = 0.05;
+  double megapixels = 1.5;      ///< of a pair's common area, never above the photos' resolution
+  std::string matcher = "sgm";  ///< or "elas", the paper's
+  int partners = 2;             ///< of a photo
+  double min_baseline_over_depth = 0.05;  ///< of a pair; depth: the reference's median
   double max_baseline_over_depth = 0.8;
-  double max_convergence_deg = 40;
-  double min_overlap = 0.2;
-  int min_confidence = 24;
+  double max_convergence_deg = 40;  ///< between the optical axes
+  double min_overlap = 0.2;         ///< share of the reference photo that its partner must see
+  int min_confidence = 24;          ///< matches of less are dropped [0..255]
 
   void visit(OptionVisitor& visitor);
 };
@@ -51,7 +51,8 @@ std::vector<FrameId> choosePartners(const DenseView& reference,
 
 /// One virtual stereo pair, from rectification to filtered disparity. The images are the decoded
 /// BGR photos, possibly reduced. The failures of rectifyPair, and "no_depth" (the reference has no
-/// depth range), "no_match" (nothing passed the checks).
+/// depth range), "wide_range" (its disparities at this size are more than a StereoMatcher tells),
+/// "no_match" (nothing passed the checks).
 Result<DepthFrame> matchPair(const DenseView& reference, const cv::Mat& reference_image,
                              const DenseView& partner, const cv::Mat& partner_image,
                              const DensifyOptions& options);

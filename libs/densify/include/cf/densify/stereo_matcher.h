@@ -21,6 +21,8 @@ struct StereoInput {
 
 /// Disparity of a pixel that has none.
 inline constexpr std::int16_t kNoDisparity = INT16_MIN;
+/// Disparities must stay below it, either sign, to fit 16 bits [px].
+inline constexpr int kMostDisparity_px = 2000;
 
 struct StereoOutput {
   cv::Mat disparity;   ///< CV_16SC1, 1/16 px, or kNoDisparity
@@ -36,7 +38,7 @@ class StereoMatcher {
   virtual StereoOutput match(const StereoInput& input) const = 0;
 };
 
-/// The matcher named options.matcher.
+/// The matcher named options.matcher, "sgm" or "elas" (options.visit() accepts no other).
 std::unique_ptr<StereoMatcher> makeStereoMatcher(const DensifyOptions& options);
 
 }  // namespace cf
