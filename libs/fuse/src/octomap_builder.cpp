@@ -244,8 +244,7 @@ void OctoMapBuilder::write(const std::filesystem::path& base) const {
   if (impl_->outside > 0)
     logWarning(
         fmt::format("OctoMap: {} points are more than {:.0f} m from the origin and left out; a "
-                    "larger [octomap] "
-                    "resolution_m reaches further",
+                    "larger [octomap] resolution_m reaches further",
                     impl_->outside, (kCentreKey - 1) * impl_->resolution_m));
   Tree tree(impl_->resolution_m);
   impl_->writeHits(tree);

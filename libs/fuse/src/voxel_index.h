@@ -73,18 +73,6 @@ class VoxelIndex {
     return added;
   }
 
-  /// Hints to the processor, ahead of findOrAdd(key): first the slot, and when that has come, the
-  /// number it holds, which nearly always is the key's (kNone if there is none).
-  void prefetchSlot(std::uint64_t key) const {
-    if (!slots_.empty()) __builtin_prefetch(&slots_[slotOf(key)]);
-  }
-  std::uint32_t prefetchKey(std::uint64_t key) const {
-    if (slots_.empty()) return kNone;
-    const std::uint32_t number = slots_[slotOf(key)];
-    if (number != kNone) __builtin_prefetch(&keys_[number]);
-    return number;
-  }
-
   std::size_t size() const { return keys_.size(); }
   const std::vector<std::uint64_t>& keys() const { return keys_; }
   std::size_t bytes() const {

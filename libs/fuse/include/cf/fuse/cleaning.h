@@ -10,15 +10,13 @@ namespace cf {
 
 /// The tile without flying points. A voxel seen by `trusted_views` depth frames or more always
 /// stays. Of the others it removes those
-///   1. that stand alone: far fewer voxels around them than the tile's surfaces have (radius
-///   outlier
-///      removal relative to the median, so it holds for any density);
-///   2. of islets: connected sets of fewer than 30 voxels;
-///   3. of small islands (fewer than 500 voxels) that hang above or below a larger surface which at
-///      least twice as many depth frames saw in the same vertical column;
-///   4. seen by an eighth or fewer of the depth frames that saw another voxel in the columns
-///   around:
-///      the rest looked there and saw the surface elsewhere.
+/// - that stand alone: with a tenth of the voxels around them that the tile's surfaces have (the
+///   median, so it holds for any density), or fewer;
+/// - of islets: connected sets of fewer than 30 voxels;
+/// - of small islands (fewer than 500 voxels) that hang above or below a larger surface which at
+///   least twice as many depth frames saw in the same vertical column;
+/// - seen by a fifth or fewer of the depth frames that saw another voxel in the columns around: the
+///   rest looked there and saw the surface elsewhere.
 /// Ground that only one pair saw stays, since it is wide or joins what others saw; so do poles and
 /// edges, which join the ground or a roof.
 ///

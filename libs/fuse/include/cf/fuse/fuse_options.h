@@ -6,7 +6,7 @@
 
 namespace cf {
 
-/// [fuse]
+/// Section [fuse].
 struct FuseOptions {
   double voxel_m = 0;         ///< 0 = automatic, see resolved()
   double tile_m = 0;          ///< side of a tile; 0 = automatic

@@ -13,7 +13,7 @@
 
 namespace cf {
 
-/// [octomap]
+/// Section [octomap].
 struct OctomapOptions {
   double resolution_m = 0;         ///< of occupied space; 0 = automatic, see resolved()
   double free_resolution_m = 1.0;  ///< of free space; rounded to the next cell size of the octree
