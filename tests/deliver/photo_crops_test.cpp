@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
+#include <stdexcept>
+#include <utility>
 
 namespace cf {
 namespace {
@@ -64,6 +66,18 @@ TEST_F(PhotoCropsOfTwo, WhatThereIsNoRoomForIsDecodedAgain) {
   EXPECT_FALSE(some.get(1, 0).image.empty());  // drives out the rest of photo 0
   EXPECT_FALSE(some.get(0, 1).image.empty());
   EXPECT_EQ(decoded_, 3);
+}
+
+TEST(PhotoCrops, ADecoderThatFailsOnceKeepsNobodyWaiting) {
+  bool failed = false;
+  PhotoCrops some(
+      [&](std::size_t i) {
+        if (!std::exchange(failed, true)) throw std::runtime_error("no memory");
+        return photo(i);
+      },
+      {camera()}, {{{0, {20, 20, 40, 20}}}}, 1 << 20);
+  EXPECT_THROW(some.get(0, 0), std::runtime_error);
+  EXPECT_FALSE(some.get(0, 0).image.empty());
 }
 
 TEST(PhotoCrops, APhotoThatCannotBeReadHasNoImage) {

@@ -112,6 +112,8 @@ void OrthoTones::solve(const std::vector<std::vector<OrthoCandidate>>& candidate
     }
   }
 
+  if (differences.empty()) return;
+
   // An even part of them is enough.
   const std::size_t step = 1 + differences.size() / (kDifferencesPerPhoto * photos_.size());
   for (std::size_t i = 0; i * step < differences.size(); ++i)

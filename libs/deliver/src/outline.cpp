@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "cf/base/median.h"
+
 namespace cf {
 namespace {
 
@@ -56,14 +58,12 @@ std::vector<Eigen::Vector3d> outlineOf(const RunRecord& run) {
     if (centre != centres.end())
       by_distance.emplace_back((p.position_m - centre->second).norm(), p.position_m);
   }
-  if (by_distance.empty()) return {};
   std::vector<double> distances;
   for (const auto& [distance, p] : by_distance) distances.push_back(distance);
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
+  const double farthest = kFarthest * upperMedian(std::move(distances));
   std::vector<Eigen::Vector3d> near;
   for (const auto& [distance, p] : by_distance)
-    if (distance <= kFarthest * *middle) near.push_back(p);
+    if (distance <= farthest) near.push_back(p);
   return hullOf(std::move(near));
 }
 

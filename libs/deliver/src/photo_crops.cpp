@@ -47,9 +47,16 @@ PhotoCrop PhotoCrops::get(std::size_t photo, std::size_t window) {
     entry.loading = true;
     const Parts parts = parts_[photo];
     lock.unlock();
-    const cv::Mat whole = decode_(photo);
     std::map<std::size_t, PhotoCrop> crops;
-    for (const auto& [number, part] : parts) crops[number] = cut(whole, cameras_[photo], part);
+    try {
+      const cv::Mat whole = decode_(photo);
+      for (const auto& [number, part] : parts) crops[number] = cut(whole, cameras_[photo], part);
+    } catch (...) {
+      lock.lock();
+      entry.loading = false;  // who waits for it tries for himself
+      ready_.notify_all();
+      throw;
+    }
     lock.lock();
     for (const auto& [number, crop] : crops) bytes_ += bytesOf(crop);
     entry.crops = std::move(crops);

@@ -33,7 +33,7 @@ class PhotoCrops {
   PhotoCrops(std::function<cv::Mat(std::size_t)> decode, std::vector<CameraModel> cameras,
              std::vector<Parts> parts, std::size_t budget_bytes);
 
-  /// Hands out a part, once.
+  /// Hands out a part, once. What decode() throws comes out here.
   PhotoCrop get(std::size_t photo, std::size_t window);
 
  private:

@@ -30,7 +30,8 @@ class DsmBuilder {
   void add(const Tile& tile);
   bool empty() const { return places_.empty(); }
   double cell() const { return cell_m_; }
-  /// A GeoTIFF of all tiles noted, which `cloud` must hold.
+  /// A GeoTIFF of all tiles noted, which `cloud` must hold. RunError where it does not, where there
+  /// are none, or where the file cannot be written.
   void write(TileStore& cloud, const std::filesystem::path& path) const;
 
  private:

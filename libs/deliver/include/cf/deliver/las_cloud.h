@@ -15,8 +15,10 @@ namespace cf {
 /// at most 255.
 class LasCloud {
  public:
+  /// RunError, here and below, where the file cannot be written.
   LasCloud(const std::filesystem::path& path, const GridFrame& grid);
   void add(const Tile& tile);
+  /// Without it there is no file.
   void close() { las_.close(); }
 
  private:
