@@ -81,7 +81,7 @@ fi
 prepare() (
   cd "$root"
   source scripts/prepare.sh
-  installPackages
+  installPackages packages.txt
   build cf-import cf-simulate cf-run cf-snapshot cf-eval
 )
 prepare

@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source scripts/prepare.sh
 
-installPackages
+installPackages packages.txt packages-test.txt
 build all
 jobs=$(nproc)
 say "runs the tests"

@@ -3,8 +3,8 @@
 #
 # shellcheck shell=bash
 # Sourced by run.sh and test.sh, in the root of the source tree.
-#   installPackages   installs the packages of scripts/packages.txt that are missing
-#   build TARGET…     configures build/ and builds the targets
+#   installPackages LIST…   installs the packages of these files of scripts/ that are missing
+#   build TARGET…           configures build/ and builds the targets
 # Environment: CF_WERROR=ON makes compiler warnings errors.
 
 say() { echo "== $*" >&2; }
@@ -15,7 +15,7 @@ installPackages() {
     return 0
   fi
   local wanted missing
-  mapfile -t wanted < <(grep -v '^#' scripts/packages.txt | sort)
+  mapfile -t wanted < <(cat "${@/#/scripts/}" | grep -v '^#' | sort)
   # dpkg-query fails where it knows no package of a name; that one is missing, then.
   mapfile -t missing < <(comm -23 <(printf '%s\n' "${wanted[@]}") <(
     dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${wanted[@]}" 2>/dev/null |
