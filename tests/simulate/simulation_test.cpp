@@ -213,6 +213,8 @@ TEST_F(Simulation, refusesWhatMakesNoSense) {
       {"[simulation]\nseed = 3\n", "no UAV"},
       {"[simulation]\nuavs = 1\norigin = here\n", "origin"},
       {"[simulation]\nuavs = 1\nstart = noon\n", "start"},
+      {"[simulation]\nuavs = 1\n[scene]\narea = -inf, -inf, inf, inf\n", "area"},
+      {"[simulation]\nuavs = 1\n[scene]\narea = -1, -1, 1, 1\n", "which it must hold"},
       {"[simulation]\nuavs = 1\n[flight]\nlength = 5\nwidth = 5\n", "[uav.uav1] 1 photo on"},
       {"[simulation]\nuavs = 1\n[flight]\nheight = 1\n", "height"},
       {"[uav.a/b]\nheight = 50\n", "file name"},
@@ -234,6 +236,11 @@ TEST_F(Simulation, refusesWhatMakesNoSense) {
 TEST_F(Simulation, overwritesAnEarlierOneOnlyIfAsked) {
   const std::vector<std::string> small = {"simulation.depth_megapixels=0",
                                           "simulation.reference_spacing=0"};
+  // A flight that somebody recorded is in the way too.
+  writeText(folder_ / "out/uav2.rawlog", "recorded");
+  EXPECT_THROW(run("out", kSmall, small), UsageError);
+  EXPECT_EQ(filesIn("out").at("uav2.rawlog"), "recorded");
+  fs::remove(folder_ / "out/uav2.rawlog");
   run("out", kSmall, small);
   EXPECT_THROW(run("out", kSmall, small), UsageError);
   const std::size_t before = filesIn("out").size();

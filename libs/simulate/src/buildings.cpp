@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "random_stream.h"
+
 namespace cf {
 namespace {
 
@@ -89,7 +91,7 @@ const std::vector<Tint> kCarTints = {{.6F, .6F, .6F},    {.03F, .03F, .03F}, {.1
 const Tint kDark = {.05F, .05F, .05F}, kGlassTint = {.10F, .085F, .075F}, kPale = {.5F, .5F, .5F};
 const Tint kChimney = {.10F, .13F, .25F}, kPanel = {.075F, .04F, .03F};
 
-const Tint& pick(const std::vector<Tint>& tints, Dice& dice) {
+const Tint& pick(const std::vector<Tint>& tints, RandomStream& dice) {
   return tints[static_cast<std::size_t>(dice.below(static_cast<int>(tints.size())))];
 }
 
@@ -102,7 +104,7 @@ struct SlopingRoof {
 };
 
 /// Chimney, roof windows and solar panels.
-void furnishRoof(const SlopingRoof& r, double usable_x, Dice& dice, Mason& mason) {
+void furnishRoof(const SlopingRoof& r, double usable_x, RandomStream& dice, Mason& mason) {
   if (dice.chance(0.7)) {
     const double x = dice.uniform(-0.7, 0.7) * usable_x, y = dice.uniform(-0.3, 0.3) * r.ly;
     mason.box({x - 0.35, y - 0.3, r.height(r.ly * 0.5)}, {x + 0.35, y + 0.3, r.ridge_z() + 0.7},
@@ -133,7 +135,7 @@ void furnishRoof(const SlopingRoof& r, double usable_x, Dice& dice, Mason& mason
 }
 
 void addSlopingRoof(const BuildingPlan& plan, const SlopingRoof& r, const Tint& tint,
-                    const Tint& wall, Dice& dice, Mason& mason) {
+                    const Tint& wall, RandomStream& dice, Mason& mason) {
   const double x = r.lx + r.overhang, y = r.ly + r.overhang;
   const bool hip = plan.roof == Roof::kHip && r.lx > r.ly * 0.9;
   const double ridge = hip ? std::max(0.05, x - y) : x;
@@ -163,7 +165,8 @@ void addSlopingRoof(const BuildingPlan& plan, const SlopingRoof& r, const Tint& 
   furnishRoof(r, hip ? ridge : r.lx * 0.9, dice, mason);
 }
 
-void addFlatRoof(const Vector3d& half, double top, const Tint& wall, Dice& dice, Mason& mason) {
+void addFlatRoof(const Vector3d& half, double top, const Tint& wall, RandomStream& dice,
+                 Mason& mason) {
   const Tint deck = pick(kDeckTints, dice);
   mason.add({{-half.x(), -half.y(), top},
              {half.x(), -half.y(), top},
@@ -197,7 +200,7 @@ void addFlatRoof(const Vector3d& half, double top, const Tint& wall, Dice& dice,
 
 void addBuilding(const BuildingPlan& plan, const Eigen::Rotation2Dd& turn, const Terrain& terrain,
                  Solids& solids) {
-  Dice dice(plan.seed);
+  RandomStream dice(plan.seed);
   const Eigen::Vector2d half = plan.box.sizes() / 2;
   double ground = -1e9, foot = 1e9;
   for (int k = 0; k < 4; ++k) {
@@ -235,7 +238,7 @@ void addBuilding(const BuildingPlan& plan, const Eigen::Rotation2Dd& turn, const
 
 void addCar(const CarPlan& plan, const Eigen::Rotation2Dd& turn, const Terrain& terrain,
             Solids& solids) {
-  Dice dice(plan.seed);
+  RandomStream dice(plan.seed);
   const Eigen::Vector2d middle = turn * plan.place;
   const double ground = terrain.height(middle.x(), middle.y());
   Mason mason(middle, turn.angle() + plan.turn + dice.uniform(-0.03, 0.03), solids);

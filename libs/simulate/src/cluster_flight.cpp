@@ -68,11 +68,13 @@ GimbalAttitude attitudeOf(const Eigen::Matrix3d& R_world_cam) {
 }
 
 Eigen::AlignedBox2d areaFrom(const std::string& text) {
+  constexpr double kMost_m = 1e5;
   double west = 0, south = 0, east = 0, north = 0;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%lf , %lf , %lf , %lf %c", &west, &south, &east, &north, &rest) !=
           4 ||
-      !(west < east) || !(south < north))
+      !(west < east) || !(south < north) || !(west >= -kMost_m) || !(south >= -kMost_m) ||
+      !(east <= kMost_m) || !(north <= kMost_m))
     throw UsageError("[scene] area = " + text +
                      ": give the west, south, east and north of it [m], as in -80, -60, 80, 60");
   return {Eigen::Vector2d(west, south), Eigen::Vector2d(east, north)};

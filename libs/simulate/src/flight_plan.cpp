@@ -22,11 +22,6 @@ constexpr double kMicroseconds = 1e6;
 
 using Intervals = std::vector<std::pair<double, double>>;
 
-bool inAny(const Intervals& intervals, double t) {
-  return std::any_of(intervals.begin(), intervals.end(),
-                     [t](const auto& i) { return t >= i.first && t <= i.second; });
-}
-
 /// Arc lengths at which photos are taken.
 std::vector<double> photoPlaces(const FlightPath& path, double spacing, bool in_turns) {
   std::vector<double> places;
@@ -97,6 +92,11 @@ Intervals intervalsFromText(const std::string& text, const std::string& what) {
   return intervals;
 }
 
+bool inAnyInterval(const Intervals& intervals, double t_s) {
+  return std::any_of(intervals.begin(), intervals.end(),
+                     [t_s](const auto& i) { return t_s >= i.first && t_s <= i.second; });
+}
+
 FlightOptions shareOf(const FlightOptions& whole, int k, int n, double shared_m) {
   const double slab = whole.width_m / n;
   const double low = k * slab - (k > 0 ? shared_m / 2 : 0);
@@ -124,7 +124,7 @@ class Flight::Impl {
     const Intervals gaps = intervalsFromText(o.gaps, what + "gaps: ");
     for (const double s : photoPlaces(path_, spacing, o.photos_in_turns)) {
       const double t = std::round(s / o.speed_mps * kMicroseconds) / kMicroseconds;
-      if (!inAny(gaps, t)) times_.push_back(t);
+      if (!inAnyInterval(gaps, t)) times_.push_back(t);
     }
     if (times_.size() < 2)
       throw UsageError(fmt::format(

@@ -93,9 +93,7 @@ GnssRecord simulateGnss(const GnssOptions& o, const Flight& flight, TimeNs start
     const Eigen::Vector3d away = normal3(outliers).normalized();
     const double size = o.outlier_size_m * outliers.uniform(0.5, 1.5);
 
-    const bool out = std::any_of(record.outages_s.begin(), record.outages_s.end(),
-                                 [t](const auto& i) { return t >= i.first && t <= i.second; });
-    if (out) continue;
+    if (inAnyInterval(record.outages_s, t)) continue;
     SimulatedFix fix;
     fix.true_m = flight.T_world_body(t) * lever;
     fix.measured_m = fix.true_m + record.bias_m + white + walked;

@@ -13,6 +13,7 @@
 
 #include "cf/base/error.h"
 #include "photographer_tile.h"
+#include "srgb.h"
 #include "texture_noise.h"
 
 namespace cf {
@@ -20,13 +21,12 @@ namespace {
 
 constexpr int kToneSteps = 4096;
 
-/// sRGB's curve, in 8-bit steps, at kToneSteps + 1 equal steps of light.
+/// sRGB's curve, in 8-bit steps, at kToneSteps + 1 equal steps of light, and one more.
 std::array<float, kToneSteps + 2> toneCurve() {
   std::array<float, kToneSteps + 2> curve{};
   for (std::size_t i = 0; i < curve.size(); ++i) {
-    const double v = std::min(1.0, static_cast<double>(i) / kToneSteps);
-    const double coded = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-    curve[i] = static_cast<float>(255 * coded);
+    const double light = std::min(1.0, static_cast<double>(i) / kToneSteps);
+    curve[i] = static_cast<float>(255 * srgbOf(light));
   }
   return curve;
 }

@@ -23,11 +23,6 @@ std::uint64_t streamSeed(std::uint64_t seed, const std::string& purpose) {
   return hash;
 }
 
-double RandomStream::uniform(double low, double high) {
-  constexpr double kStep = 1.0 / 9007199254740992.0;  // 2^-53
-  return low + (high - low) * static_cast<double>(bits_() >> 11) * kStep;
-}
-
 double RandomStream::normal() {
   // Box and Muller; 1 - u is never 0.
   const double radius = std::sqrt(-2 * std::log(1 - uniform(0, 1)));

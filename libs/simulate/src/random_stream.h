@@ -14,12 +14,17 @@ std::uint64_t streamSeed(std::uint64_t seed, const std::string& purpose);
 /// A generator whose draws do not depend on how the standard library makes distributions.
 class RandomStream {
  public:
-  explicit RandomStream(std::uint64_t seed) : bits_(seed) {}
-  double uniform(double low, double high);
-  double normal();
+  explicit RandomStream(std::uint64_t seed) : engine_(seed) {}
+  double uniform(double low = 0, double high = 1) {
+    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
+  }
+  double normal();  ///< of mean 0 and standard deviation 1
+  int below(int n) { return static_cast<int>(uniform() * n); }
+  bool chance(double p) { return uniform() < p; }
+  std::uint32_t bits() { return static_cast<std::uint32_t>(engine_()); }
 
  private:
-  std::mt19937_64 bits_;
+  std::mt19937_64 engine_;
 };
 
 /// A smooth random process of mean 0 and standard deviation 1: a sum of sinusoids spread evenly

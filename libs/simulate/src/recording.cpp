@@ -6,14 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 
-#include "cf/base/error.h"
+#include "cf/base/disk.h"
 #include "cf/base/stopwatch.h"
 #include "cf/formats/atomic_file.h"
 #include "cf/formats/float_raster.h"
+#include "cf/formats/jpeg.h"
 #include "cf/rawlog/rawlog_writer.h"
-#include "truth_files.h"
 
 namespace cf {
 namespace {
@@ -28,7 +27,7 @@ fs::path rawlogOf(const PlannedUav& uav, const fs::path& outdir) {
 
 void writeRawlog(const PlannedUav& uav, const fs::path& outdir) {
   const fs::path rawlog = rawlogOf(uav, outdir), folder = imagesFolderOf(rawlog);
-  ensureFolder(folder);
+  createFolder(folder);
   RawlogWriter writer(rawlog);
   std::vector<GnssFix> fixes;
   for (const SimulatedFix& fix : uav.gnss.fixes) fixes.push_back(fix.fix);
@@ -64,12 +63,8 @@ double writePhoto(const PlannedUav& uav, const PlannedPhoto& photo, const Scene&
   const double start = wallSeconds();
   const cv::Mat image = takePhoto(scene, uav.camera, photo.motion, options, photo.seed);
   const double seconds = wallSeconds() - start;
-  std::vector<unsigned char> jpeg;
-  if (!cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, options.jpeg_quality}))
-    throw RunError(photo.name + ": the photo cannot be compressed");
-  AtomicFile file(imagesFolderOf(rawlogOf(uav, outdir)) / photo.name);
-  file.write(jpeg.data(), jpeg.size());
-  file.commit();
+  writeFileAtomically(imagesFolderOf(rawlogOf(uav, outdir)) / photo.name,
+                      encodeJpeg(image, options.jpeg_quality));
   return seconds;
 }
 
@@ -82,7 +77,7 @@ void writeDepth(const PlannedUav& uav, const PlannedPhoto& photo, const Scene& s
   raster.values = trueDepth(scene, uav.camera, photo.motion, options, step);
   raster.metadata["STEP"] = std::to_string(step);
   const fs::path folder = truth / "depth" / uav.options.name;
-  ensureFolder(folder);
+  createFolder(folder);
   writeFloatRaster(folder / (fs::path(photo.name).stem().string() + ".tif"), raster);
 }
 

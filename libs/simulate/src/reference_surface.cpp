@@ -14,6 +14,7 @@
 #include "cf/formats/float_raster.h"
 #include "cf/formats/ply.h"
 #include "cf/geodesy/utm.h"
+#include "srgb.h"
 
 namespace cf {
 namespace {
@@ -78,9 +79,8 @@ class Witness {
 
 std::array<std::uint8_t, 3> displayed(const Eigen::Vector3f& linear_bgr) {
   const auto encoded = [](float value) {
-    const double v = std::clamp(static_cast<double>(value), 0.0, 1.0);
-    const double srgb = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-    return static_cast<std::uint8_t>(std::lround(255 * srgb));
+    const double light = std::clamp(static_cast<double>(value), 0.0, 1.0);
+    return static_cast<std::uint8_t>(std::lround(255 * srgbOf(light)));
   };
   return {encoded(linear_bgr[2]), encoded(linear_bgr[1]), encoded(linear_bgr[0])};
 }

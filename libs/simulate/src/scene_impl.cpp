@@ -7,14 +7,15 @@
 #include <cmath>
 
 #include "cf/base/error.h"
+#include "random_stream.h"
 #include "scene_changes.h"
 #include "texture_noise.h"
 
 namespace cf {
 namespace {
 
-constexpr double kMargin_m =
-    40;  ///< built and planted beyond the area: seen and shading from aside
+/// Built and planted beyond the area: seen, and casting shadows, from aside.
+constexpr double kMargin_m = 40;
 
 Eigen::Vector3f sunDirection(const SceneOptions& options) {
   const double azimuth = options.sun_azimuth_deg * M_PI / 180;
@@ -107,7 +108,7 @@ void Scene::Impl::buildPlants(std::uint64_t seed) {
   for (const auto& planned : plan_.plants) {
     const Eigen::Vector2d place = plan_.turn * planned.place;
     if (!isNear(place)) continue;
-    Dice dice(planned.seed);
+    RandomStream dice(planned.seed);
     const int kind = static_cast<int>(planned.kind);
     Plant plant;
     plant.crown = first[kind] + dice.below(first[kind + 1] - first[kind]);

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "random_stream.h"
+
 namespace cf {
 namespace {
 
 constexpr double kFieldWidth_m = 80;  // of a block where there are no roads
 
-std::vector<double> roadLines(double reach, double spacing, Dice& dice) {
+std::vector<double> roadLines(double reach, double spacing, RandomStream& dice) {
   std::vector<double> lines;
   double at = -reach - spacing * dice.uniform();
   while (lines.size() < 2 || lines.back() < reach) {
@@ -34,7 +36,8 @@ Eigen::AlignedBox2d rectangle(double x0, double y0, double x1, double y1) {
 }
 
 /// A home facing one side of its block, with its drive, terrace, garden beds.
-void addGarden(const Block& block, const BuildingPlan& home, int side, Dice& dice, TownPlan& plan) {
+void addGarden(const Block& block, const BuildingPlan& home, int side, RandomStream& dice,
+               TownPlan& plan) {
   const bool along_x = side < 2;  // the street runs along x
   const int a = along_x ? 0 : 1, b = 1 - a;
   const bool low = side % 2 == 0;
@@ -72,7 +75,7 @@ void addGarden(const Block& block, const BuildingPlan& home, int side, Dice& dic
   }
 }
 
-void addHomes(const Block& block, double wanted, Dice& dice, TownPlan& plan) {
+void addHomes(const Block& block, double wanted, RandomStream& dice, TownPlan& plan) {
   const std::size_t first = plan.buildings.size();
   const int count = static_cast<int>(wanted) + (dice.chance(wanted - std::floor(wanted)) ? 1 : 0);
   constexpr int kTries = 60;
@@ -107,7 +110,7 @@ void addHomes(const Block& block, double wanted, Dice& dice, TownPlan& plan) {
 }
 
 /// Halls with flat roofs and a car park.
-void addBusiness(const Block& block, Dice& dice, TownPlan& plan) {
+void addBusiness(const Block& block, RandomStream& dice, TownPlan& plan) {
   const std::size_t first = plan.buildings.size();
   const Eigen::Vector2d size = block.box.sizes();
   const int halls = 1 + dice.below(3);
@@ -147,7 +150,7 @@ void addBusiness(const Block& block, Dice& dice, TownPlan& plan) {
   }
 }
 
-void patchRoads(double reach, Dice& dice, TownPlan& plan) {
+void patchRoads(double reach, RandomStream& dice, TownPlan& plan) {
   for (const bool along_x : {true, false}) {
     for (const double line : along_x ? plan.lines_y : plan.lines_x) {
       for (double at = -reach; at < reach; at += dice.uniform(6, 40)) {
@@ -165,7 +168,7 @@ void patchRoads(double reach, Dice& dice, TownPlan& plan) {
 
 TownPlan planTown(const SceneOptions& options, const Eigen::Vector2d& half_extent_m,
                   std::uint64_t seed) {
-  Dice dice(seed * 2 + 1);
+  RandomStream dice(seed * 2 + 1);
   TownPlan plan;
   plan.angle = dice.uniform(8, 35) * M_PI / 180;
   plan.turn = Eigen::Rotation2Dd(plan.angle);

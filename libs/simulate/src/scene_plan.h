@@ -4,27 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "cf/simulate/scene.h"
 
 namespace cf {
-
-/// Numbers that are the same on every machine and library.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double low = 0, double high = 1) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
-  }
-  int below(int n) { return static_cast<int>(uniform() * n); }
-  bool chance(double p) { return uniform() < p; }
-  std::uint32_t bits() { return static_cast<std::uint32_t>(engine_()); }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 enum class LandUse { kHomes, kBusiness, kPark, kCrop, kBlank };
 

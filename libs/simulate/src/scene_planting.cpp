@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "random_stream.h"
 #include "scene_plan.h"
 
 namespace cf {
@@ -30,7 +31,7 @@ class Neighbourhood {
   std::vector<std::vector<std::size_t>> of_block_;
 };
 
-PlantPlan tree(const Eigen::Vector2d& place, double largest, Dice& dice) {
+PlantPlan tree(const Eigen::Vector2d& place, double largest, RandomStream& dice) {
   PlantPlan plant;
   plant.place = place;
   plant.kind = dice.chance(0.17) ? Greenery::kConifer : Greenery::kBroadleaf;
@@ -48,7 +49,7 @@ PlantPlan tree(const Eigen::Vector2d& place, double largest, Dice& dice) {
 }
 
 void addTrees(const Block& block, std::size_t index, double wanted, const Neighbourhood& near,
-              Dice& dice, TownPlan& plan) {
+              RandomStream& dice, TownPlan& plan) {
   const int count = static_cast<int>(wanted + dice.uniform());
   const Eigen::Vector2d size = block.box.sizes();
   for (int k = 0, tries = 0; k < count && tries < 6 * count; ++tries) {
@@ -76,7 +77,7 @@ void addTrees(const Block& block, std::size_t index, double wanted, const Neighb
 }
 
 /// Hedges between gardens: down the middle of the block and across it.
-void addHedges(const Block& block, std::size_t index, const Neighbourhood& near, Dice& dice,
+void addHedges(const Block& block, std::size_t index, const Neighbourhood& near, RandomStream& dice,
                TownPlan& plan) {
   constexpr double kHalf_m = 3.5;
   for (const bool along_x : {true, false}) {
@@ -101,7 +102,7 @@ void addHedges(const Block& block, std::size_t index, const Neighbourhood& near,
   }
 }
 
-void parkAlongRoads(double reach, Dice& dice, TownPlan& plan) {
+void parkAlongRoads(double reach, RandomStream& dice, TownPlan& plan) {
   constexpr double kFromMiddle_m = 2.2, kCrossing_m = 9;
   for (const bool along_x : {true, false}) {
     const auto& crossings = along_x ? plan.lines_x : plan.lines_y;
@@ -123,7 +124,7 @@ void parkAlongRoads(double reach, Dice& dice, TownPlan& plan) {
 }  // namespace
 
 void plantTown(const SceneOptions& options, std::uint64_t seed, TownPlan& plan) {
-  Dice dice(seed * 2 + 2);
+  RandomStream dice(seed * 2 + 2);
   const Neighbourhood near(plan);
   for (std::size_t i = 0; i < plan.blocks.size(); ++i) {
     const Block& block = plan.blocks[i];

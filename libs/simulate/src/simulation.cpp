@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cf/base/disk.h"
 #include "cf/base/error.h"
 #include "cf/base/log.h"
 #include "cf/base/progress.h"
@@ -22,23 +23,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Removes what an earlier simulation left, or throws where that is not wanted.
+/// Removes what is where the simulation's files will be, or throws where that is not wanted: it may
+/// be an earlier simulation, or a flight that somebody recorded.
 void clear(const SimulationRequest& request, const SimulationSetup& setup) {
-  const fs::path truth = request.outdir / "truth";
-  std::error_code error;
-  if (fs::exists(truth, error) && !request.overwrite)
-    throw UsageError(request.outdir.string() +
-                     " holds an earlier simulation; give -w to overwrite it");
-  fs::remove_all(truth, error);
+  std::vector<fs::path> in_the_way = {request.outdir / "truth"};
   for (const SimulatedUavOptions& uav : setup.uavs) {
     const fs::path rawlog = request.outdir / (uav.name + ".rawlog");
-    fs::remove(rawlog, error);
-    fs::remove_all(imagesFolderOf(rawlog), error);
+    in_the_way.insert(in_the_way.end(), {rawlog, imagesFolderOf(rawlog)});
   }
-  if (error)
-    throw RunError(
-        fmt::format("{} cannot be cleared: {}", request.outdir.string(), error.message()));
-  ensureFolder(request.outdir);
+  for (const fs::path& path : in_the_way) {
+    std::error_code error;
+    if (!request.overwrite && fs::exists(path, error))
+      throw UsageError(path.string() + " is there already; give -w to overwrite it");
+    fs::remove_all(path, error);
+    if (error)
+      throw RunError(fmt::format("{}: cannot be removed: {}", path.string(), error.message()));
+  }
+  createFolder(request.outdir);
 }
 
 SimulatedUavSummary summaryOf(const PlannedUav& uav) {

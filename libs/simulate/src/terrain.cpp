@@ -3,8 +3,10 @@
 #include "terrain.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <random>
+
+#include "random_stream.h"
 
 namespace cf {
 namespace {
@@ -13,12 +15,12 @@ namespace {
 class Hills {
  public:
   explicit Hills(std::uint64_t seed) {
-    std::mt19937_64 random(seed);
-    auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    RandomStream random(seed);
     for (auto& w : waves_) {
-      const double length = 60 * std::pow(400.0 / 60, uniform()), angle = 2 * M_PI * uniform();
+      const double length = 60 * std::pow(400.0 / 60, random.uniform());
+      const double angle = 2 * M_PI * random.uniform();
       w.k = 2 * M_PI / length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-      w.phase = 2 * M_PI * uniform();
+      w.phase = 2 * M_PI * random.uniform();
       w.amplitude = length;
     }
   }

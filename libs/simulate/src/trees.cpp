@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 
+#include "random_stream.h"
+
 namespace cf {
 namespace {
 
@@ -53,7 +55,7 @@ CrownMesh sphere(int divisions) {
   return mesh;
 }
 
-Vector3f randomDirection(Dice& dice) {
+Vector3f randomDirection(RandomStream& dice) {
   const double z = dice.uniform(-1, 1), around = dice.uniform(0, 2 * M_PI);
   const double r = std::sqrt(1 - z * z);
   return Eigen::Vector3d(r * std::cos(around), r * std::sin(around), z).cast<float>();
@@ -76,7 +78,7 @@ float reach(const Vector3f& direction, const std::vector<Lump>& lumps) {
 }
 
 /// A round crown: boughs, and twigs upon them.
-void shapeBroadleaf(CrownMesh& mesh, Dice& dice) {
+void shapeBroadleaf(CrownMesh& mesh, RandomStream& dice) {
   std::vector<Lump> boughs, twigs;
   const int count = 14 + dice.below(14);
   for (int k = 0; k < count; ++k) {
@@ -93,7 +95,7 @@ void shapeBroadleaf(CrownMesh& mesh, Dice& dice) {
 }
 
 /// A cone of whorls: long and short boughs in turn, all around and upwards.
-void shapeConifer(CrownMesh& mesh, Dice& dice) {
+void shapeConifer(CrownMesh& mesh, RandomStream& dice) {
   const double phase = dice.uniform(0, 2 * M_PI);
   for (auto& v : mesh.vertices) {
     const float z = v.z();
@@ -109,7 +111,7 @@ void shapeConifer(CrownMesh& mesh, Dice& dice) {
 }
 
 /// A clipped box, long in x.
-void shapeHedge(CrownMesh& mesh, Dice& dice) {
+void shapeHedge(CrownMesh& mesh, RandomStream& dice) {
   for (auto& v : mesh.vertices) {
     const float largest = v.cwiseAbs().maxCoeff();
     v /= largest;
@@ -124,7 +126,7 @@ void shapeHedge(CrownMesh& mesh, Dice& dice) {
 CrownMesh makeCrown(Greenery kind, std::uint64_t seed) {
   constexpr int kDivisions = 5;
   CrownMesh mesh = sphere(kDivisions);
-  Dice dice(seed);
+  RandomStream dice(seed);
   switch (kind) {
     case Greenery::kBroadleaf:
       shapeBroadleaf(mesh, dice);

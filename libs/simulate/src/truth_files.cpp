@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cf/base/error.h"
+#include "cf/base/disk.h"
 #include "cf/formats/atomic_file.h"
 #include "cf/formats/csv.h"
 #include "cf/formats/tum.h"
@@ -35,7 +35,7 @@ Json worldJson(const SimulationSetup& setup, const LocalFrame& world) {
 }
 
 void writePoses(const fs::path& truth, const std::vector<PlannedUav>& uavs) {
-  ensureFolder(truth / "trajectories");
+  createFolder(truth / "trajectories");
   std::string images;
   std::vector<TimedPose> all;
   for (const PlannedUav& uav : uavs) {
@@ -52,7 +52,7 @@ void writePoses(const fs::path& truth, const std::vector<PlannedUav>& uavs) {
 }
 
 void writeCameras(const fs::path& truth, const std::vector<PlannedUav>& uavs) {
-  ensureFolder(truth / "cameras");
+  createFolder(truth / "cameras");
   for (const PlannedUav& uav : uavs) {
     const TrueCamera& c = uav.camera;
     const std::vector<std::pair<const char*, double>> keys = {
@@ -95,7 +95,7 @@ Json gnssJson(const PlannedUav& uav) {
 }
 
 void writeGnss(const fs::path& truth, const std::vector<PlannedUav>& uavs) {
-  ensureFolder(truth / "gnss");
+  createFolder(truth / "gnss");
   Json all = Json::object();
   for (const PlannedUav& uav : uavs) {
     writeFixes(truth / "gnss" / (uav.options.name + ".csv"), uav.gnss);
@@ -137,16 +137,9 @@ Json simulationJson(const SimulationSetup& setup, const Eigen::AlignedBox2d& are
 
 }  // namespace
 
-void ensureFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw RunError(fmt::format("{} cannot be created: {}", folder.string(), error.message()));
-}
-
 void writeTruthFiles(const fs::path& truth, const SimulationSetup& setup, const LocalFrame& world,
                      const Eigen::AlignedBox2d& area, const std::vector<PlannedUav>& uavs) {
-  ensureFolder(truth);
+  createFolder(truth);
   writeJson(truth / "world.json", worldJson(setup, world));
   writePoses(truth, uavs);
   writeCameras(truth, uavs);

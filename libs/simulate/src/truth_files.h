@@ -15,7 +15,4 @@ void writeTruthFiles(const std::filesystem::path& truth, const SimulationSetup& 
                      const LocalFrame& world, const Eigen::AlignedBox2d& area,
                      const std::vector<PlannedUav>& uavs);
 
-/// Throws RunError if the folder cannot be created.
-void ensureFolder(const std::filesystem::path& folder);
-
 }  // namespace cf

@@ -48,6 +48,8 @@ struct Footprint {
 /// Times [s] "T0:T1, T2:T3"; throws UsageError that begins with `what`.
 std::vector<std::pair<double, double>> intervalsFromText(const std::string& text,
                                                          const std::string& what);
+/// Whether a time lies in one of them, ends included.
+bool inAnyInterval(const std::vector<std::pair<double, double>>& intervals, double t_s);
 
 /// The share of UAV k of n in an area: slabs side by side across the strips, each wider by
 /// `shared_m` where it has a neighbour.

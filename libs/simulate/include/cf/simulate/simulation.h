@@ -13,7 +13,7 @@ class Config;
 
 struct SimulationRequest {
   std::filesystem::path outdir;
-  bool overwrite = false;  ///< of an earlier simulation
+  bool overwrite = false;  ///< what is there: truth/, and the UAVs' rawlogs and photos
 };
 
 struct SimulatedUavSummary {
