@@ -126,6 +126,14 @@ TEST_F(Import, EqualNamesOfFoldersAndPhotosAreToldApart) {
   EXPECT_EQ(recording("b_images").photos.size(), 2u);
 }
 
+TEST_F(Import, UavsWhoseNamesDifferByCaseAloneAreToldApart) {
+  flight("a/North", 2);
+  flight("b/north", 3);
+  ASSERT_EQ(import("--images a/North --images b/north -o out").status, 0);
+  EXPECT_EQ(recording("a_North").photos.size(), 2u);
+  EXPECT_EQ(recording("b_north").photos.size(), 3u);
+}
+
 TEST_F(Import, GeoOverridesPositionsAndTheirSigma) {
   flight("f", 2);
   support::writeText(folder_ / "geo.txt", "EPSG:4326\nP1.JPG -91.5 46.5 250 0.02 0.05\n");

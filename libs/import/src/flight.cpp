@@ -8,7 +8,6 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <numeric>
 
 #include "cf/base/error.h"
 #include "cf/base/text.h"

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <thread>
 
+#include "cf/base/disk.h"
 #include "cf/base/error.h"
 #include "cf/base/log.h"
 #include "cf/base/stopwatch.h"

@@ -8,10 +8,20 @@
 #include <vector>
 
 #include "cf/base/text.h"
-#include "text.h"
 
 namespace cf {
 namespace {
+
+/// All numbers in a text such as "(46) (50) (33.3855)", which is how GDAL writes rationals.
+std::vector<double> numbersIn(const std::string& text) {
+  std::string plain = text;
+  for (char& c : plain)
+    if (c == '(' || c == ')' || c == ',') c = ' ';
+  std::vector<double> values;
+  for (const std::string& word : wordsOf(plain))
+    if (const std::optional<double> value = numberFrom(word)) values.push_back(*value);
+  return values;
+}
 
 /// Days since 1970-01-01 of a proleptic Gregorian date (H. Hinnant, "chrono-Compatible Low-Level
 /// Date Algorithms", days_from_civil).
@@ -50,7 +60,7 @@ std::optional<TimeNs> offsetFrom(const std::string& text) {
   char sign = 0;
   if (text == "Z") return 0;
   if (std::sscanf(text.c_str(), "%c%2d:%2d", &sign, &hours, &minutes) != 3 ||
-      (sign != '+' && sign != '-'))
+      (sign != '+' && sign != '-') || hours < 0 || hours > 14 || minutes < 0 || minutes > 59)
     return std::nullopt;
   return (sign == '-' ? -1 : 1) * (hours * 3600 + minutes * 60) * kNsPerSecond;
 }

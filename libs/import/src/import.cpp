@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cf/base/disk.h"
 #include "cf/base/error.h"
 #include "cf/formats/camera_ini.h"
 #include "cf/rawlog/rawlog_writer.h"

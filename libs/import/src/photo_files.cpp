@@ -42,11 +42,15 @@ bool naturalLess(const std::string& a, const std::string& b) {
   return a < b;
 }
 
+std::string lowerCase(const std::string& text) {
+  std::string out = text;
+  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
 bool isPhoto(const fs::path& file) {
   static const std::set<std::string> kExtensions = {".jpg", ".jpeg", ".tif", ".tiff", ".png"};
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return kExtensions.count(extension) != 0;
+  return kExtensions.count(lowerCase(file.extension().string())) != 0;
 }
 
 bool endsWith(const std::string& text, const std::string& end) {
@@ -62,9 +66,12 @@ std::string nameWithParents(const fs::path& path, std::size_t depth) {
   return name;
 }
 
+using Spelling = std::string (*)(const std::string&);
+
 /// Names made of as few parent folders as tell the paths apart; numbered where that cannot be.
-std::vector<std::string> tellApart(const std::vector<fs::path>& paths,
-                                   std::string (*spell)(const std::string&)) {
+/// Names are spelt by `spell`, and differ by more than what `key` drops.
+std::vector<std::string> tellApart(const std::vector<fs::path>& paths, Spelling spell,
+                                   Spelling key) {
   std::vector<std::string> names(paths.size());
   std::vector<std::size_t> undecided(paths.size());
   for (std::size_t i = 0; i < paths.size(); ++i) undecided[i] = i;
@@ -72,21 +79,21 @@ std::vector<std::string> tellApart(const std::vector<fs::path>& paths,
   constexpr std::size_t kDeepest = 8;
   for (std::size_t depth = 0; depth <= kDeepest && !undecided.empty(); ++depth) {
     std::map<std::string, std::vector<std::size_t>> by_name;
-    for (const std::size_t i : undecided)
-      by_name[spell(nameWithParents(paths[i], depth))].push_back(i);
+    for (const std::size_t i : undecided) {
+      names[i] = spell(nameWithParents(paths[i], depth));
+      by_name[key(names[i])].push_back(i);
+    }
     undecided.clear();
     for (const auto& [name, owners] : by_name) {
-      if (owners.size() == 1 && taken.insert(name).second)
-        names[owners[0]] = name;
-      else
-        undecided.insert(undecided.end(), owners.begin(), owners.end());
+      if (owners.size() == 1 && taken.insert(name).second) continue;
+      undecided.insert(undecided.end(), owners.begin(), owners.end());
     }
   }
   std::sort(undecided.begin(), undecided.end());
   for (const std::size_t i : undecided) {
     int number = 2;
     do names[i] = fmt::format("{}_{}", number++, spell(paths[i].filename().string()));
-    while (!taken.insert(names[i]).second);
+    while (!taken.insert(key(names[i])).second);
   }
   return names;
 }
@@ -146,13 +153,13 @@ PhotoFiles findPhotos(const fs::path& folder, const fs::path& out_dir) {
 }
 
 std::vector<std::string> uniqueNames(const std::vector<fs::path>& photos) {
-  return tellApart(photos, asIs);
+  return tellApart(photos, asIs, asIs);
 }
 
 std::vector<std::string> uavNames(const std::vector<fs::path>& folders) {
   std::vector<fs::path> absolute;
   for (const fs::path& folder : folders) absolute.push_back(fs::weakly_canonical(folder));
-  return tellApart(absolute, asSectionName);
+  return tellApart(absolute, asSectionName, lowerCase);
 }
 
 void linkOrCopy(const fs::path& source, const fs::path& target) {
@@ -165,14 +172,6 @@ void linkOrCopy(const fs::path& source, const fs::path& target) {
   if (failed)
     throw RunError(fmt::format("{} cannot be copied to {}: {}", source.string(), target.string(),
                                failed.message()));
-}
-
-void createFolder(const fs::path& folder) {
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed || !fs::is_directory(folder))
-    throw RunError(fmt::format("folder {} cannot be written: {}", folder.string(),
-                               failed ? failed.message() : "it is a file"));
 }
 
 }  // namespace cf

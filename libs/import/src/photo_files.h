@@ -26,14 +26,12 @@ PhotoFiles findPhotos(const std::filesystem::path& folder, const std::filesystem
 /// the parent folders before it ("101MEDIA_DJI_0001.JPG").
 std::vector<std::string> uniqueNames(const std::vector<std::filesystem::path>& photos);
 
-/// Names of UAVs for photo folders: the folder's name, where two are equal or taken with the
-/// parents' names before it; characters that a section of an ini cannot hold become '_'.
+/// Names of UAVs for photo folders: the folder's name, where two are equal (but for case, which an
+/// ini does not tell apart) or taken with the parents' names before it; characters that a section
+/// of an ini cannot hold become '_'.
 std::vector<std::string> uavNames(const std::vector<std::filesystem::path>& folders);
 
 /// Hard link, or else copy, that replaces an earlier `target`. Throws RunError.
 void linkOrCopy(const std::filesystem::path& source, const std::filesystem::path& target);
-
-/// Throws RunError if the folder cannot be created.
-void createFolder(const std::filesystem::path& folder);
 
 }  // namespace cf

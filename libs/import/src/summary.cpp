@@ -5,11 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <tuple>
 
-#include "cf/base/error.h"
+#include "cf/formats/atomic_file.h"
 
 namespace cf {
 namespace {
@@ -65,14 +64,12 @@ ImportedUav describe(const Flight& flight, const fs::path& rawlog) {
 }
 
 void writeConfig(const std::vector<fs::path>& rawlogs, double follow_s, const fs::path& file) {
-  std::ofstream out(file);
-  out << "; Written by cf-import. Every other setting has a default.\n";
+  std::string text = "; Written by cf-import. Every other setting has a default.\n";
   for (const fs::path& rawlog : rawlogs)
-    out << "\n[uav." << rawlog.stem().string() << "]\nrawlog = " << rawlog.filename().string()
-        << "\n";
-  if (follow_s > 0) out << "\n[playback]\nfollow_s = " << follow_s << "\n";
-  out.close();
-  if (!out) throw RunError(fmt::format("{} cannot be written", file.string()));
+    text += fmt::format("\n[uav.{}]\nrawlog = {}\n", rawlog.stem().string(),
+                        rawlog.filename().string());
+  if (follow_s > 0) text += fmt::format("\n[playback]\nfollow_s = {}\n", follow_s);
+  writeFileAtomically(file, text);
 }
 
 }  // namespace cf

@@ -13,7 +13,7 @@ namespace cf {
 ImportedUav describe(const Flight& flight, const std::filesystem::path& rawlog);
 
 /// A configuration for cf-run: UAVs named after their rawlogs; follow_s above 0 is for those that
-/// grow. Throws RunError.
+/// grow. The file appears whole or not at all. Throws RunError.
 void writeConfig(const std::vector<std::filesystem::path>& rawlogs, double follow_s,
                  const std::filesystem::path& file);
 
