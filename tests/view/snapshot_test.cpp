@@ -11,6 +11,7 @@
 
 #include "cf/base/error.h"
 #include "cf/view/render.h"
+#include "support/temp_folder.h"
 #include "view/synthetic_run.h"
 
 namespace cf {
@@ -238,6 +239,12 @@ TEST_F(Snapshot, FaultsAreNamed) {
   EXPECT_THROW((void)frameScene({}, parseView("top"), kSize), RunError);
   EXPECT_THROW(renderSnapshot(scene, parseView("top"), kSize, run_.dir() / "no/such/p.png"),
                RunError);
+  const std::string world = support::fileText(run_.dir() / "world.json");
+  for (const char* bad : {"[]", R"({"center":7})", R"({"origin":{"h":"high"}})"}) {
+    writeFileAtomically(run_.dir() / "world.json", bad);
+    EXPECT_THROW((void)loadScene(run_.dir()), RunError) << bad;
+  }
+  writeFileAtomically(run_.dir() / "world.json", world);
   SceneLimits limits;
   limits.with_voxels = true;
   fs::resize_file(run_.dir() / "octomap.ot", fs::file_size(run_.dir() / "octomap.ot") / 2);

@@ -10,13 +10,9 @@
 namespace cf {
 namespace {
 
-constexpr double kDarkest = 0.4;        // share of the light that a deep step takes away
+constexpr double kDarkest = 0.4;         // share of the light that a deep step takes away
 constexpr double kHiddenOpacity = 0.45;  // of a line behind the surface
 constexpr double kRimLight = 0.45;
-
-}  // namespace
-
-namespace {
 
 /// An empty pixel and what its neighbours would make of it.
 struct Gap {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,6 +11,7 @@
 #include <set>
 
 #include "cf/base/error.h"
+#include "cf/base/text.h"
 #include "cf/formats/csv.h"
 #include "cf/formats/ply.h"
 #include "cf/formats/tum.h"
@@ -70,8 +70,12 @@ Centres centresByPhoto(const fs::path& images_csv, const std::map<TimeNs, Eigen:
   const auto image = table.column("image"), t = table.column("t"), status = table.column("status");
   for (const auto& row : table.rows()) {
     if (row[status] != "posed") continue;
-    const auto found = track.find(timeFromText(row[t]));
-    if (found != track.end()) centres[row[image]] = found->second;
+    try {
+      const auto found = track.find(timeFromText(row[t]));
+      if (found != track.end()) centres[row[image]] = found->second;
+    } catch (const RunError& e) {
+      throw RunError(fmt::format("{}: {}", images_csv.string(), e.what()));
+    }
   }
   return centres;
 }
@@ -100,7 +104,7 @@ void loadLinks(const fs::path& file, const std::map<std::string, Centres>& centr
     const auto& row = table.rows()[i];
     if (row[uav_a] == row[uav_b]) continue;  // within one UAV: not drawn
     if (!find(row[uav_a], row[image_a]) || !find(row[uav_b], row[image_b])) continue;
-    const double count = std::strtod(row[inliers].c_str(), nullptr);
+    const double count = numberFrom(row[inliers]).value_or(0);
     for (Strongest* best : {&strongest[{row[uav_a], row[image_a], row[uav_b]}],
                             &strongest[{row[uav_b], row[image_b], row[uav_a]}]})
       if (count > best->inliers) *best = {count, i};
@@ -122,10 +126,14 @@ std::string loadWorld(const fs::path& file, SceneInputs& scene) {
   const auto json = nlohmann::json::parse(in, nullptr, false);
   if (json.is_discarded() || !json.is_object())
     throw RunError(fmt::format("{}: not a JSON object", file.string()));
-  scene.georeferenced = json.contains("origin") && json["origin"].is_object();
-  if (scene.georeferenced) scene.origin_height_m = json["origin"].value("h", 0.0);
-  scene.height_datum = json.value("h_datum", "unknown");
-  return json.value("center", "");
+  try {
+    scene.georeferenced = json.contains("origin") && json["origin"].is_object();
+    if (scene.georeferenced) scene.origin_height_m = json["origin"].value("h", 0.0);
+    scene.height_datum = json.value("h_datum", "unknown");
+    return json.value("center", "");
+  } catch (const nlohmann::json::exception& e) {
+    throw RunError(fmt::format("{}: {}", file.string(), e.what()));
+  }
 }
 
 }  // namespace

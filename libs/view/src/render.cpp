@@ -12,6 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "cf/base/disk.h"
 #include "cf/base/error.h"
 #include "cf/base/log.h"
 #include "cf/formats/atomic_file.h"
@@ -68,7 +69,8 @@ LineStyle lineStyle(const ViewCamera& camera, double scale) {
 
 void writePng(const fs::path& path, const cv::Mat& picture) {
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", picture, bytes);
+  if (!cv::imencode(".png", picture, bytes))
+    throw RunError(fmt::format("{}: the picture cannot be coded as PNG", path.string()));
   writeFileAtomically(path, std::string(bytes.begin(), bytes.end()));
 }
 
@@ -221,18 +223,20 @@ void writeScene(const SceneInputs& scene, const fs::path& file) {
   out.insert(lines);
   fs::path temporary = file;
   temporary += ".tmp";
-  std::error_code error;
-  if (!out.saveToFile(temporary.string()))
-    throw RunError(fmt::format("{}: cannot be written", file.string()));
-  fs::rename(temporary, file, error);
-  if (error) throw RunError(fmt::format("{}: {}", file.string(), error.message()));
+  std::error_code error, ignored;
+  const bool written = out.saveToFile(temporary.string()) && syncFile(temporary);
+  if (written) fs::rename(temporary, file, error);
+  if (written && !error) return;
+  fs::remove(temporary, ignored);
+  throw RunError(
+      fmt::format("{}: cannot be written{}", file.string(), error ? ": " + error.message() : ""));
 }
 
 std::vector<fs::path> renderRun(const fs::path& outdir, ImageSize size) {
   SceneLimits limits;
   limits.with_voxels = fs::exists(outdir / "octomap.ot");
   const SceneInputs scene = loadScene(outdir, limits);
-  fs::create_directories(outdir / "snapshots");
+  createFolder(outdir / "snapshots");
   std::vector<fs::path> written;
   std::vector<View> views;
   for (const char* name : {"top", "iso", "front", "height"}) views.push_back(parseView(name));

@@ -110,10 +110,12 @@ double pointSpacing(const std::vector<ColouredPoint>& cloud) {
     return std::max(0.1, static_cast<double>(v[v.size() * 98 / 100] - v[v.size() * 2 / 100]));
   };
   const double cell = 1.5 * std::sqrt(span(xs) * span(ys) / static_cast<double>(cloud.size()));
-  using Key = std::int64_t;
+  using Key = std::uint64_t;
   const auto key = [&](double x, double y) -> Key {
-    return (static_cast<Key>(std::floor(x / cell)) << 32) ^
-           (static_cast<Key>(std::floor(y / cell)) & 0xffffffff);
+    const auto index = [&](double at) {
+      return static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(at / cell)));
+    };
+    return Key{index(x)} << 32 | index(y);
   };
   // The cells around a few samples, and the points in them.
   std::unordered_map<Key, std::vector<std::uint32_t>> grid;

@@ -22,7 +22,8 @@ Eigen::Matrix<std::uint8_t, 3, 1> uavColour(bool central, std::size_t index);
 void renderSnapshot(const SceneInputs& scene, const View& view, ImageSize size,
                     const std::filesystem::path& png);
 
-/// Writes the MRPT scene (cloud, trajectories, relative poses) that SceneViewer3D opens.
+/// Writes the MRPT scene (cloud, trajectories, relative poses) that SceneViewer3D opens; it appears
+/// whole or not at all. Throws RunError if it cannot be written.
 void writeScene(const SceneInputs& scene, const std::filesystem::path& file);
 
 /// The pictures of a finished run, into OUTDIR/snapshots (top, iso, front, height, octomap and one
