@@ -6,11 +6,11 @@
 
 #include <clocale>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <string>
 
 #include "cf/base/error.h"
+#include "support/temp_folder.h"
 
 namespace cf {
 namespace {
@@ -41,17 +41,8 @@ struct UavOptions {
 
 class ConfigTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              ("cf_config_" +
-               std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::create_directories(folder_);
-    file_ = folder_ / "flight.ini";
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   Config config(const std::string& text) {
-    std::ofstream(file_, std::ios::binary) << text;
+    support::writeText(file_, text);
     return Config::fromFile(file_);
   }
 
@@ -80,7 +71,8 @@ class ConfigTest : public ::testing::Test {
     });
   }
 
-  std::filesystem::path folder_, file_;
+  const support::TempFolder folder_;
+  const std::filesystem::path file_ = folder_ / "flight.ini";
 };
 
 TEST_F(ConfigTest, givenFieldsAreReadTheOthersKeepTheirDefaults) {
@@ -212,7 +204,7 @@ TEST_F(ConfigTest, nothingMayBeGivenTwice) {
 TEST_F(ConfigTest, aMissingFileIsNamed) {
   EXPECT_EQ(complaint([&] { Config::fromFile(file_); }),
             "FILE: no such configuration file, or not readable");
-  EXPECT_NE(complaint([&] { Config::fromFile(folder_); }), "no UsageError");
+  EXPECT_NE(complaint([&] { Config::fromFile(folder_.path()); }), "no UsageError");
 }
 
 TEST_F(ConfigTest, overridesReplaceAddAndSplitAtTheLastDot) {

@@ -4,12 +4,11 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include "cf/config/config.h"
 #include "cf/pipeline/run_options.h"
+#include "support/temp_folder.h"
 
 namespace cf {
 namespace {
@@ -27,24 +26,17 @@ constexpr const char* kIntroduction =
     "out of range is an error. What a run used stands in its `config.effective.ini`.\n\n"
     "This page is written by `CF_WRITE_REFERENCE=1 build/tests/test_config_reference`.\n\n";
 
-std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
 /// docs/config.md tells the options as they are. CF_WRITE_REFERENCE=1 writes it.
 TEST(Reference, tellsTheOptionsAsTheyAre) {
-  const fs::path ini = fs::path(::testing::TempDir()) / "cf_reference.ini";
-  std::ofstream(ini) << "[uav.NAME]\nrawlog = x\n";
-  Config config = Config::fromFile(ini);
+  const support::TempFolder folder;
+  support::writeText(folder / "run.ini", "[uav.NAME]\nrawlog = x\n");
+  Config config = Config::fromFile(folder / "run.ini");
   loadRunOptions(config);
-  fs::remove(ini);
   const std::string expected = kIntroduction + config.referenceMarkdown();
 
   const fs::path page = fs::path(CF_SOURCE_DIR) / "docs" / "config.md";
-  if (std::getenv("CF_WRITE_REFERENCE") != nullptr) std::ofstream(page) << expected;
-  EXPECT_EQ(contents(page), expected)
+  if (std::getenv("CF_WRITE_REFERENCE") != nullptr) support::writeText(page, expected);
+  EXPECT_EQ(support::fileText(page), expected)
       << "write docs/config.md anew: CF_WRITE_REFERENCE=1 build/tests/test_config_reference";
 }
 
