@@ -238,9 +238,12 @@ TEST_F(OctoMap, CountsWhatIsTooFar) {
 TEST(OctomapOptions, ResolvesAndChecks) {
   OctomapOptions automatic;
   EXPECT_THROW(OctoMapBuilder{automatic}, UsageError);
-  EXPECT_DOUBLE_EQ(automatic.resolved(0.07).resolution_m, 0.28);
-  EXPECT_DOUBLE_EQ(options().resolved(0.07).resolution_m, kResolution);
-  EXPECT_DOUBLE_EQ(OctoMapBuilder(automatic.resolved(0.07)).freeResolution(), 1.12);
+  EXPECT_DOUBLE_EQ(automatic.resolved(0.07, 1e4).resolution_m, 0.28);
+  EXPECT_DOUBLE_EQ(automatic.resolved(0.07, 1.5e5).resolution_m, 0.28);
+  EXPECT_DOUBLE_EQ(automatic.resolved(0.07, 2e5).resolution_m, 0.56);
+  EXPECT_DOUBLE_EQ(automatic.resolved(0.07, 2e6).resolution_m, 1.12);
+  EXPECT_DOUBLE_EQ(options().resolved(0.07, 2e6).resolution_m, kResolution);
+  EXPECT_DOUBLE_EQ(OctoMapBuilder(automatic.resolved(0.07, 1e4)).freeResolution(), 1.12);
 }
 
 TEST_F(OctoMap, UnwritableFolderIsAnError) {

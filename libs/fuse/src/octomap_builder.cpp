@@ -96,17 +96,22 @@ std::uint8_t mean(float sum, float weight) {
 }  // namespace
 
 void OctomapOptions::visit(OptionVisitor& visitor) {
-  visitor.number("resolution_m", resolution_m, {0, 100},
-                 "side of an occupied cell [m]; 0 = four voxels of the map");
+  visitor.number(
+      "resolution_m", resolution_m, {0, 100},
+      "side of an occupied cell [m]; 0 = four voxels of the map, 8, 16 ... over large areas");
   visitor.number("free_resolution_m", free_resolution_m, {0.01, 100},
                  "side of a free cell [m], rounded up to a cell size of the octree");
   visitor.integer("rays_per_keyframe", rays_per_keyframe, {0, 1000000},
                   "rays that carve free space, for each depth frame");
 }
 
-OctomapOptions OctomapOptions::resolved(double voxel_m) const {
+OctomapOptions OctomapOptions::resolved(double voxel_m, double area_m2) const {
+  constexpr double kMostGroundCells = 2e6;
   OctomapOptions result = *this;
-  if (result.resolution_m == 0) result.resolution_m = 4 * voxel_m;
+  if (resolution_m > 0) return result;
+  result.resolution_m = 4 * voxel_m;
+  while (area_m2 > kMostGroundCells * result.resolution_m * result.resolution_m)
+    result.resolution_m *= 2;
   return result;
 }
 

@@ -212,7 +212,8 @@ class DenseMapper {
   DirectoryTileStore deliver(TileMap& map, const FuseOptions& fuse) {
     const StageTimes::Scope scope(times_, "deliver_cloud", CpuClock::kProcess);
     map.leaveMemory();
-    octomap_.emplace(options_.octomap.resolved(fuse.voxel_m));
+    const double area_m2 = static_cast<double>(map.indices().size()) * fuse.tile_m * fuse.tile_m;
+    octomap_.emplace(options_.octomap.resolved(fuse.voxel_m, area_m2));
     DirectoryTileStore tiles =
         DirectoryTileStore::create(folders_.outdir / "cloud", fuse.tile_m, fuse.voxel_m);
     PlyWriter ply(folders_.outdir / "cloud" / "cloud.ply");

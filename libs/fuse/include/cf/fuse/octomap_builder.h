@@ -20,8 +20,9 @@ struct OctomapOptions {
   int rays_per_keyframe = 2000;    ///< 0 = no free space
 
   void visit(OptionVisitor& visitor);
-  /// With resolution_m chosen where it is automatic: four voxels of the fused map.
-  OctomapOptions resolved(double voxel_m) const;
+  /// With resolution_m chosen where it is automatic: four voxels of the fused map, or 8, 16… where
+  /// its ground, of `area_m2`, would be more than two million cells: memory stays bounded.
+  OctomapOptions resolved(double voxel_m, double area_m2) const;
 };
 
 /// Builds an octomap::ColorOcTree (Hornung et al. 2013): occupied space with colour at fine
