@@ -23,7 +23,6 @@ namespace {
 
 constexpr int kWindow = 512;  ///< nodes
 constexpr int kWindowsAtOnce = 2;
-constexpr std::size_t kCropsBytes = 300U << 20;
 
 /// Windows in an order that keeps those in work side by side few: along the shorter side.
 std::vector<cv::Rect> windowsOf(cv::Size size) {
@@ -50,7 +49,8 @@ struct Picture {
 
 void writeOrthophoto(const std::filesystem::path& path, const std::filesystem::path& dsm,
                      const GridFrame& grid, const std::vector<OrthoPhoto>& photos,
-                     const std::function<cv::Mat(std::size_t)>& decode, double gsd_m) {
+                     const std::function<cv::Mat(std::size_t)>& decode, double gsd_m,
+                     int crops_mb) {
   const OrthoSurface surface(dsm, gsd_m);
   const auto candidates = orthoCandidates(surface, grid, photos);
   const OrthoTones tones(candidates, photos);
@@ -71,7 +71,7 @@ void writeOrthophoto(const std::filesystem::path& path, const std::filesystem::p
   for (std::size_t i = 0; i < windows.size(); ++i)
     for (const OrthoShare& share : shared[i].shares)
       parts[static_cast<std::size_t>(share.photo)][i] = share.part;
-  PhotoCrops crops(decode, cameras, std::move(parts), kCropsBytes);
+  PhotoCrops crops(decode, cameras, std::move(parts), static_cast<std::size_t>(crops_mb) << 20);
 
   const int n = surface.pixelsPerNode();
   GeoTiffWriter out(path, GeoTiffWriter::Kind::kColours,

@@ -11,7 +11,7 @@
 #include "cf/config/config.h"
 #include "chain_steps.h"
 #include "flight_progress.h"
-#include "playback.h"
+#include "memory_plan.h"
 #include "thread_limit.h"
 #include "world.h"
 
@@ -66,17 +66,21 @@ AgentSummary runAgent(Config& config, const AgentRequest& request) {
   std::error_code error;
   fs::create_directories(request.seam, error);
   if (error) throw RunError(request.seam.string() + " cannot be made: " + error.message());
+  FlightSize size;
+  for (const UavInput::Waiting& waiting : input.photos()) size.add(waiting.photo);
+  const MemoryPlan memory = planMemory(options, size);
   StageTimes times;
   ChainSteps source(std::move(feed), options, world.frame, times);
   source.writeTo(0, request.resume ? SeamWriter::goOn(file) : SeamWriter(file));
   std::size_t photos = 0;
   FlightProgress progress(source, options.playback.inRealTime());
-  tbb::parallel_pipeline(kStepsInFlight, source.steps() & tbb::make_filter<StepSource::Step, void>(
-                                                              tbb::filter_mode::serial_in_order,
-                                                              [&](const StepSource::Step& step) {
-                                                                progress.advance(*step);
-                                                                if (step->photo) ++photos;
-                                                              }));
+  tbb::parallel_pipeline(
+      memory.steps_in_flight,
+      source.steps() & tbb::make_filter<StepSource::Step, void>(tbb::filter_mode::serial_in_order,
+                                                                [&](const StepSource::Step& step) {
+                                                                  progress.advance(*step);
+                                                                  if (step->photo) ++photos;
+                                                                }));
   return {photos, source.bytes(), file};
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cf/base/log.h"
+#include "memory_plan.h"
 
 namespace cf {
 namespace {
@@ -36,7 +37,7 @@ SeamHello helloOf(const UavInput& input, const std::optional<LocalFrame>& world)
 
 ChainSteps::ChainSteps(PhotoFeed feed, const RunOptions& options,
                        const std::optional<LocalFrame>& world, StageTimes& times)
-    : feed_(std::move(feed)), world_(world), pacer_(options.playback) {
+    : feed_(std::move(feed)), world_(world), pacer_(options.playback), gate_(memoryLimit(options)) {
   for (const UavInput& input : feed_.inputs()) {
     uavs_.emplace_back(input, options, world, times);
     hellos_.push_back(helloOf(input, world));
@@ -73,6 +74,7 @@ ChainSteps::Photo ChainSteps::takeUp(tbb::flow_control& control) {
   greet(taken->item);
   taken->taken_s = follows() ? taken->item.ready_s : wallSeconds();
   if (!taken->item.photo) return taken;
+  gate_.enter();
   if (!follows()) taken->taken_s = pacer_.await(*taken->item.photo);
   most_behind_s_ = std::max(most_behind_s_, wallSeconds() - taken->taken_s);
   return taken;
@@ -105,6 +107,7 @@ StepSource::Step ChainSteps::push(const Taken& taken) {
   Uav& uav = uavs_[item.input];
   const ImageFrame& frame = taken.photo->frame;
   out->photo = frame;
+  gate_.leave();
   const SeamMessage message =
       SeamStep{uav.chain.push(*taken.photo, item.fixes),
                SeamStep::Photo{frame.name, frame.time, frame.camera}, taken.next_from};

@@ -7,6 +7,7 @@
 
 #include "cf/base/stopwatch.h"
 #include "cf/formats/seam_file.h"
+#include "memory_gate.h"
 #include "pacer.h"
 #include "photo_feed.h"
 #include "step_source.h"
@@ -58,6 +59,7 @@ class ChainSteps : public StepSource {
   PhotoFeed feed_;
   const std::optional<LocalFrame>& world_;
   Pacer pacer_;
+  MemoryGate gate_;
   std::deque<Uav> uavs_;
 };
 

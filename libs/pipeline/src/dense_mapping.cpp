@@ -24,11 +24,11 @@
 #include "depth_maps.h"
 #include "free_memory.h"
 #include "map_rasters.h"
+#include "memory_gate.h"
 
 namespace cf {
 namespace {
 
-constexpr std::size_t kPhotosInFlight = 3;
 constexpr int kPhotosPerRelease = 8;
 
 using Pairs = std::vector<StereoPair>;
@@ -59,10 +59,15 @@ MapPoints sample(const std::vector<Contribution::Frame>& frames, int wanted) {
   return out;
 }
 
-/// `other` with the workers, `own` in this thread; returns when both are done. Throws what one of
-/// them threw, `own` first.
+/// `other` with the workers, `own` in this thread, or, if not at once, before; returns when both
+/// are done. Throws what one of them threw, `own` first.
 template <class Other, class Own>
-void sideBySide(const Other& other, const Own& own) {
+void sideBySide(bool at_once, const Other& other, const Own& own) {
+  if (!at_once) {
+    own();
+    releaseFreeMemory();
+    return other();
+  }
   tbb::task_group group;
   group.run(other);
   std::exception_ptr error;
@@ -83,11 +88,13 @@ void sideBySide(const Other& other, const Own& own) {
 class DenseMapper {
  public:
   DenseMapper(const std::vector<std::vector<ImageFrame>>& photos, const Alignment& alignment,
-              const GridFrame& grid, const RunOptions& options, const WorkFolders& folders,
-              DenseMatching& matching, PhotoStore& store, StageTimes& times)
+              const GridFrame& grid, const RunOptions& options, const MemoryPlan& memory,
+              const WorkFolders& folders, DenseMatching& matching, PhotoStore& store,
+              StageTimes& times)
       : photos_(photos),
         grid_(grid),
         options_(options),
+        memory_(memory),
         folders_(folders),
         matching_(matching),
         store_(store),
@@ -98,7 +105,8 @@ class DenseMapper {
   void run(const std::function<void(const DenseSummary&)>& beside) {
     if (views_.empty()) return beside(summary_);
     const double matched_pixel_m = matchedGroundSize(views_, options_.densify.megapixels);
-    const FuseOptions fuse = options_.fuse.resolved(matched_pixel_m);
+    FuseOptions fuse = options_.fuse.resolved(matched_pixel_m);
+    fuse.max_memory_mb = memory_.tile_mb;
     summary_.voxel_m = fuse.voxel_m;
     rasters_.emplace(options_.deliver, grid_, fuse.voxel_m);
     // Raw tiles live beside the result until the finished cloud has been made of them.
@@ -109,13 +117,15 @@ class DenseMapper {
     store_.leaveMemory();
     releaseFreeMemory();  // of the map and its products, before the rasters
     // What is drawn with one thread goes with what is left of the others.
-    sideBySide([&] { rasters_->writeDsm(cloud, folders_.outdir, times_); },
-               [&] { writeOctomap(); });
+    sideBySide(
+        memory_.side_by_side, [&] { rasters_->writeDsm(cloud, folders_.outdir, times_); },
+        [&] { writeOctomap(); });
     releaseFreeMemory();  // the pictures take some, and the orthophoto
     sideBySide(
+        memory_.side_by_side,
         [&] {
-          rasters_->writeOrthophoto(views_, photos_, store_, matched_pixel_m, folders_.outdir,
-                                    times_);
+          rasters_->writeOrthophoto(views_, photos_, store_, matched_pixel_m, memory_.crops_mb,
+                                    folders_.outdir, times_);
         },
         [&] { beside(summary_); });
   }
@@ -127,15 +137,17 @@ class DenseMapper {
     auto next = pairs_.begin();
     int fused = 0;
     releaseFreeMemory();  // of localisation
+    MemoryGate gate(memory_.limit_mb);
     using Item = std::shared_ptr<Contribution>;
     tbb::parallel_pipeline(
-        kPhotosInFlight,
+        memory_.photos_matched,
         tbb::make_filter<void, Pairs*>(tbb::filter_mode::serial_in_order,
                                        [&](tbb::flow_control& control) -> Pairs* {
                                          if (next == pairs_.end()) {
                                            control.stop();
                                            return nullptr;
                                          }
+                                         gate.enter();
                                          return &(next++)->second;
                                        }) &
             tbb::make_filter<Pairs*, Item>(
@@ -145,6 +157,7 @@ class DenseMapper {
               fuse(*c, map);
               if (++fused % kPhotosPerRelease == 0) releaseFreeMemory();
               progress.advance();
+              gate.leave();
             }));
   }
 
@@ -250,6 +263,7 @@ class DenseMapper {
   const std::vector<std::vector<ImageFrame>>& photos_;
   const GridFrame& grid_;
   const RunOptions& options_;
+  const MemoryPlan& memory_;
   const WorkFolders& folders_;
   DenseMatching& matching_;
   PhotoStore& store_;
@@ -267,10 +281,11 @@ class DenseMapper {
 }  // namespace
 
 void mapDensely(const std::vector<std::vector<ImageFrame>>& photos, const Alignment& alignment,
-                const GridFrame& grid, const RunOptions& options, const WorkFolders& folders,
-                DenseMatching& matching, PhotoStore& store, StageTimes& times,
-                const std::function<void(const DenseSummary&)>& beside) {
-  DenseMapper(photos, alignment, grid, options, folders, matching, store, times).run(beside);
+                const GridFrame& grid, const RunOptions& options, const MemoryPlan& memory,
+                const WorkFolders& folders, DenseMatching& matching, PhotoStore& store,
+                StageTimes& times, const std::function<void(const DenseSummary&)>& beside) {
+  DenseMapper(photos, alignment, grid, options, memory, folders, matching, store, times)
+      .run(beside);
 }
 
 }  // namespace cf

@@ -13,6 +13,7 @@
 #include "cf/pipeline/run_options.h"
 #include "cf/types/image_frame.h"
 #include "dense_matching.h"
+#include "memory_plan.h"
 #include "photo_store.h"
 
 namespace cf {
@@ -36,10 +37,11 @@ struct WorkFolders {
 /// The map with the final poses: the depth of all stereo pairs, as far as it was matched in the
 /// flight already, fused into tiles, clouds, OctoMap and rasters. `photos` by UAV. When the cloud
 /// and the OctoMap are written, `beside` is called in this thread, while the others are at the
-/// orthophoto; it is called once, whatever the map holds.
+/// orthophoto (or before, if `memory` says that one must come after the other); it is called once,
+/// whatever the map holds.
 void mapDensely(const std::vector<std::vector<ImageFrame>>& photos, const Alignment& alignment,
-                const GridFrame& grid, const RunOptions& options, const WorkFolders& folders,
-                DenseMatching& matching, PhotoStore& store, StageTimes& times,
-                const std::function<void(const DenseSummary&)>& beside);
+                const GridFrame& grid, const RunOptions& options, const MemoryPlan& memory,
+                const WorkFolders& folders, DenseMatching& matching, PhotoStore& store,
+                StageTimes& times, const std::function<void(const DenseSummary&)>& beside);
 
 }  // namespace cf

@@ -21,6 +21,7 @@
 #include "free_memory.h"
 #include "ground_survey.h"
 #include "judgement.h"
+#include "memory_plan.h"
 #include "memory_trace.h"
 #include "output_folder.h"
 #include "photo_store.h"
@@ -32,9 +33,6 @@
 namespace cf {
 namespace fs = std::filesystem;
 namespace {
-
-/// Of 3 MP each, 9 MB: the neighbours in the strips that are being matched.
-constexpr std::size_t kPhotosInMemory = 12;
 
 /// Everything between the configuration and the record of the run.
 class FlightRun {
@@ -59,6 +57,12 @@ class FlightRun {
       warn(record_,
            "no photo has a GNSS position: the map is relative, its place, heading and scale "
            "arbitrary");
+    size_.photos = photos();
+    memory_plan_ = planMemory(options, size_);
+    const std::string objection = objectionTo(memory_plan_, options, size_);
+    if (objection.empty()) return;
+    if (options.system.max_memory_mb > 0) throw UsageError(objection);
+    warn(record_, objection);
   }
 
   std::size_t photos() const { return source_->photoCount(); }
@@ -66,13 +70,13 @@ class FlightRun {
   RunRecord run() {
     started_s_ = wallSeconds();
     const WorkFolders folders{request_.outdir, workFolder(request_.outdir)};
-    PhotoStore store(folders.work / "photos", kPhotosInMemory);
+    PhotoStore store(folders.work / "photos", memory_plan_.photos_in_memory);
     DenseMatching matching(folders.work / "depth", options_.densify, store, times_);
     Alignment alignment = localise(store, folders);
     if (survey_) survey_->apply(world_, alignment, record_);
     record_.world = world_.record;
-    mapDensely(photos_, alignment, world_.grid, options_, folders, matching, store, times_,
-               [&](const DenseSummary& dense) {
+    mapDensely(photos_, alignment, world_.grid, options_, memory_plan_, folders, matching, store,
+               times_, [&](const DenseSummary& dense) {
                  judge(alignment, record_);
                  collect(dense);
                  if (matching.found() > 0)
@@ -97,7 +101,10 @@ class FlightRun {
     else if (survey_)
       survey_->checkPhotos(feed.inputs());
     std::vector<std::optional<GnssFix>> first_fixes;
-    for (const UavInput& input : feed.inputs()) first_fixes.push_back(input.firstFix());
+    for (const UavInput& input : feed.inputs()) {
+      first_fixes.push_back(input.firstFix());
+      for (const UavInput::Waiting& waiting : input.photos()) size_.add(waiting.photo);
+    }
     world_ = placeWorld(options_, first_fixes);
     source_ = std::make_unique<ChainSteps>(std::move(feed), options_, world_.frame, times_);
   }
@@ -120,7 +127,8 @@ class FlightRun {
     if (options_.playback.inRealTime() || options_.view.live_every_s > 0)
       live.emplace(options_, center, photos_, folders.work / "live-tiles", folders.outdir / "live",
                    store, times_);
-    playFlight(*source_, options_.playback, centre, live ? &*live : nullptr, photos_, photo_times_);
+    playFlight(*source_, options_.playback, memory_plan_, centre, live ? &*live : nullptr, photos_,
+               photo_times_);
     for (auto& of_uav : photos_)
       for (ImageFrame& photo : of_uav)
         if (photo.file.empty()) photo.file = store.file(photo.id);
@@ -173,9 +181,8 @@ class FlightRun {
     for (const auto& [id, finished] : dense.finished_s) {
       const auto shown = shown_s_.find(id);
       const double taken_s = photo_times_.of(id).taken_s;
-      record_.latencies.push_back(
-          {id, taken_s - started_s_,
-           (shown == shown_s_.end() ? finished : shown->second) - taken_s});
+      record_.latencies.push_back({id, taken_s - started_s_,
+                                   (shown == shown_s_.end() ? finished : shown->second) - taken_s});
     }
     record_.cloud = dense.cloud;
     record_.self_check = selfCheck(record_);
@@ -192,7 +199,7 @@ class FlightRun {
     } else {
       const StageTimes::Scope scope(times_, "view", CpuClock::kProcess);
       releaseFreeMemory();
-      renderRun(request_.outdir, parseImageSize(options_.view.size));
+      renderRun(request_.outdir, parseImageSize(options_.view.size), memory_plan_.side_by_side);
     }
   }
 
@@ -208,6 +215,8 @@ class FlightRun {
   StageTimes times_;
   MemoryTrace memory_;
   double started_s_ = 0;
+  FlightSize size_;
+  MemoryPlan memory_plan_;
   World world_;
   std::optional<GroundSurvey> survey_;
   std::vector<fs::path> photo_folders_;  ///< by UAV

@@ -8,4 +8,7 @@ namespace cf {
 /// sizes leave holes that add up to hundreds of MB.
 void releaseFreeMemory();
 
+/// That this process holds now.
+double residentMegabytes();
+
 }  // namespace cf

@@ -39,7 +39,7 @@ void MapRasters::writeDsm(TileStore& cloud, const std::filesystem::path& outdir,
 
 void MapRasters::writeOrthophoto(const std::vector<DenseView>& views,
                                  const std::vector<std::vector<ImageFrame>>& photos,
-                                 const PhotoStore& store, double matched_pixel_m,
+                                 const PhotoStore& store, double matched_pixel_m, int crops_mb,
                                  const std::filesystem::path& outdir, StageTimes& times) const {
   if (dsm_.empty() || !options_.orthophoto) return;
   const StageTimes::Scope scope(times, "orthophoto", CpuClock::kProcess);
@@ -60,7 +60,8 @@ void MapRasters::writeOrthophoto(const std::vector<DenseView>& views,
     const auto image = decodePhoto(photo, full * reduction * reduction);
     return image ? image.value() : cv::Mat();
   };
-  cf::writeOrthophoto(outdir / "orthophoto.tif", outdir / kDsm, grid_, ortho, decode, gsd_m);
+  cf::writeOrthophoto(outdir / "orthophoto.tif", outdir / kDsm, grid_, ortho, decode, gsd_m,
+                      crops_mb);
   if (!options_.dsm) std::filesystem::remove(outdir / kDsm);
 }
 

@@ -33,7 +33,7 @@ class MapRasters {
   /// `photos` (by UAV). `matched_pixel_m`: its size on the ground.
   void writeOrthophoto(const std::vector<DenseView>& views,
                        const std::vector<std::vector<ImageFrame>>& photos, const PhotoStore& store,
-                       double matched_pixel_m, const std::filesystem::path& outdir,
+                       double matched_pixel_m, int crops_mb, const std::filesystem::path& outdir,
                        StageTimes& times) const;
 
  private:

@@ -2,24 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory_trace.h"
 
-#include <unistd.h>
-
 #include <chrono>
-#include <fstream>
 
 #include "cf/base/stopwatch.h"
+#include "free_memory.h"
 
 namespace cf {
 namespace {
 
 constexpr double kFirstInterval_s = 0.25;
-
-double rssMegabytes() {
-  std::ifstream statm("/proc/self/statm");
-  double size = 0, resident = 0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
-}
 
 }  // namespace
 
@@ -43,7 +34,7 @@ void MemoryTrace::run() {
   std::unique_lock<std::mutex> lock(mutex_);
   double interval_s = kFirstInterval_s;
   while (!stopped_) {
-    samples_.push_back({wallSeconds() - started_s_, rssMegabytes()});
+    samples_.push_back({wallSeconds() - started_s_, residentMegabytes()});
     if (samples_.size() >= kMost) {  // every other one
       for (std::size_t i = 0; 2 * i < samples_.size(); ++i) samples_[i] = samples_[2 * i];
       samples_.resize((samples_.size() + 1) / 2);

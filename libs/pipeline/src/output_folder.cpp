@@ -59,19 +59,23 @@ void removeEarlierResult(const fs::path& outdir) {
 /// Tells what run has begun there.
 fs::path begunFile(const fs::path& outdir) { return workFolder(outdir) / "run.txt"; }
 
-/// The section [playback] says when photos come, not what becomes of them.
-std::string withoutPlayback(std::string settings) {
-  const std::size_t begin = settings.find("[playback]\n");
-  if (begin == std::string::npos) return settings;
-  const std::size_t end = std::min(settings.find("\n[", begin), settings.size());
-  return settings.erase(begin, end - begin);
+/// [playback] says when photos come, [system] with what they are worked on: not what becomes of
+/// them.
+std::string withoutCircumstances(std::string settings) {
+  for (const char* section : {"[playback]\n", "[system]\n"}) {
+    const std::size_t begin = settings.find(section);
+    if (begin == std::string::npos) continue;
+    const std::size_t end = std::min(settings.find("\n[", begin), settings.size());
+    settings.erase(begin, end - begin);
+  }
+  return settings;
 }
 
 /// What a run depends on: its settings, and which recordings they are about, if these do not grow.
 std::string fingerprint(const FlightRunRequest& request, const Config& config,
                         const RunOptions& options) {
   std::string text =
-      "version = " + request.version + "\n" + withoutPlayback(config.effectiveText());
+      "version = " + request.version + "\n" + withoutCircumstances(config.effectiveText());
   if (options.playback.follow_s > 0) return text;
   for (const UavOptions& uav : options.uavs) {
     std::error_code error;

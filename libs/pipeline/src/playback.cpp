@@ -32,8 +32,9 @@ PhotoTimes::Times PhotoTimes::of(FrameId photo) const {
   return times_.at(photo);
 }
 
-void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode& centre,
-                LiveMap* live, std::vector<std::vector<ImageFrame>>& photos, PhotoTimes& times) {
+void playFlight(StepSource& source, const PlaybackOptions& options, const MemoryPlan& memory,
+                CentralNode& centre, LiveMap* live, std::vector<std::vector<ImageFrame>>& photos,
+                PhotoTimes& times) {
   using Step = StepSource::Step;
   using Job = std::shared_ptr<Change>;
   using Depth = std::shared_ptr<LiveMap::Depth>;
@@ -64,7 +65,7 @@ void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode&
     if (live) live->show(std::move(*depth));
   };
   constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
-  tbb::parallel_pipeline(kStepsInFlight,
+  tbb::parallel_pipeline(memory.steps_in_flight,
                          source.steps() & tbb::make_filter<Step, Job>(kInOrder, receive) &
                              tbb::make_filter<Job, Depth>(tbb::filter_mode::parallel, match) &
                              tbb::make_filter<Depth, void>(kInOrder, show));

@@ -9,6 +9,7 @@
 #include "central_node.h"
 #include "cf/pipeline/run_options.h"
 #include "live_map.h"
+#include "memory_plan.h"
 #include "step_source.h"
 
 namespace cf {
@@ -28,15 +29,14 @@ class PhotoTimes {
   std::map<FrameId, Times> times_;
 };
 
-/// Photos on their way from the source through the centre; of each its features and its JPEG are
-/// kept.
-inline constexpr std::size_t kStepsInFlight = 16;
-
 /// All steps of the source to the centre, which takes them up in order beside the stages of the
 /// source: while the centre solves, these go on, up to a bounded number of photos ahead. The result
 /// depends neither on timing nor on the number of threads. What each step adds to the map goes to
 /// `live`, if there is one, beside all this. Adds to `photos` (by UAV) and `times` what comes.
-void playFlight(StepSource& source, const PlaybackOptions& options, CentralNode& centre,
-                LiveMap* live, std::vector<std::vector<ImageFrame>>& photos, PhotoTimes& times);
+/// `memory` says how many photos may be on their way at a time; of each its features and its JPEG
+/// are kept.
+void playFlight(StepSource& source, const PlaybackOptions& options, const MemoryPlan& memory,
+                CentralNode& centre, LiveMap* live, std::vector<std::vector<ImageFrame>>& photos,
+                PhotoTimes& times);
 
 }  // namespace cf

@@ -55,6 +55,9 @@ void ViewOptions::visit(OptionVisitor& v) {
 
 void SystemOptions::visit(OptionVisitor& v) {
   v.integer("threads", threads, {0, 1024}, "0 = one for each core");
+  v.integer("max_memory_mb", max_memory_mb, {0, 1 << 24},
+            "memory that the run may take [MB]: it gets slower rather than larger, with the same "
+            "result; 0 = three quarters of the machine's");
 }
 
 namespace {

@@ -7,7 +7,6 @@
 #include <thread>
 
 namespace cf {
-namespace {
 
 int threadsOf(const RunOptions& options) {
   const int threads = options.system.threads > 0
@@ -15,8 +14,6 @@ int threadsOf(const RunOptions& options) {
                           : static_cast<int>(std::thread::hardware_concurrency());
   return std::max(1, threads);
 }
-
-}  // namespace
 
 ThreadLimit::ThreadLimit(const RunOptions& options)
     : limit_(tbb::global_control::max_allowed_parallelism,

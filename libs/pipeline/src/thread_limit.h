@@ -8,6 +8,9 @@
 
 namespace cf {
 
+/// [system] threads, or one for each core.
+int threadsOf(const RunOptions& options);
+
 /// [system] threads, as long as it lives.
 class ThreadLimit {
  public:

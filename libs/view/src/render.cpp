@@ -163,12 +163,13 @@ void finish(Picture& p, const SceneInputs& scene) {
 }
 
 /// Pictures are drawn in this thread, as OpenGL wants it; the next one is prepared and the last one
-/// finished beside it.
+/// finished beside it, or, if not side by side, when it is its turn.
 void renderAll(const SceneInputs& scene, const std::vector<View>& views, ImageSize size,
-               const std::vector<fs::path>& files) {
+               const std::vector<fs::path>& files, bool side_by_side) {
   const Measures measures = measure(scene);
+  const auto policy = side_by_side ? std::launch::async : std::launch::deferred;
   const auto prepared = [&](std::size_t i) {
-    return std::async(std::launch::async, [&scene, &measures, &views, size, &files, i] {
+    return std::async(policy, [&scene, &measures, &views, size, &files, i] {
       return prepare(scene, measures, views[i], size, files[i]);
     });
   };
@@ -179,9 +180,10 @@ void renderAll(const SceneInputs& scene, const std::vector<View>& views, ImageSi
     if (i + 1 < views.size()) coming = prepared(i + 1);
     draw(*picture);
     if (finishing.valid()) finishing.get();
-    finishing = std::async(std::launch::async, [&scene, picture] { finish(*picture, scene); });
+    finishing = std::async(policy, [&scene, picture] { finish(*picture, scene); });
+    if (!side_by_side) finishing.get();
   }
-  finishing.get();
+  if (finishing.valid()) finishing.get();
 }
 
 }  // namespace
@@ -232,7 +234,7 @@ void writeScene(const SceneInputs& scene, const fs::path& file) {
       fmt::format("{}: cannot be written{}", file.string(), error ? ": " + error.message() : ""));
 }
 
-std::vector<fs::path> renderRun(const fs::path& outdir, ImageSize size) {
+std::vector<fs::path> renderRun(const fs::path& outdir, ImageSize size, bool side_by_side) {
   SceneLimits limits;
   limits.with_voxels = fs::exists(outdir / "octomap.ot");
   const SceneInputs scene = loadScene(outdir, limits);
@@ -252,7 +254,7 @@ std::vector<fs::path> renderRun(const fs::path& outdir, ImageSize size) {
   }
   for (const std::string& name : names) written.push_back(outdir / "snapshots" / (name + ".png"));
   const fs::path scene_file = outdir / "map.3Dscene";
-  renderAll(scene, views, size, written);
+  renderAll(scene, views, size, written, side_by_side);
   writeScene(scene, scene_file);
   written.push_back(scene_file);
   return written;

@@ -30,11 +30,12 @@ struct OrthoPhoto {
 ///
 /// `decode` gives photo i in colour at any scale, empty where it cannot be read; it is called from
 /// several threads. Each photo is decoded once, or again where more of them are needed side by side
-/// than 300 MB hold. Pixels have about `gsd_m`: a cell of the surface holds a whole number of them,
-/// or they a whole number of cells. No data: the mask. Throws RunError naming the path.
+/// than `crops_mb` hold. Pixels have about `gsd_m`: a cell of the surface holds a whole number of
+/// them, or they a whole number of cells. No data: the mask. Throws RunError naming the path.
 void writeOrthophoto(const std::filesystem::path& path, const std::filesystem::path& dsm,
                      const GridFrame& grid, const std::vector<OrthoPhoto>& photos,
-                     const std::function<cv::Mat(std::size_t)>& decode, double gsd_m);
+                     const std::function<cv::Mat(std::size_t)>& decode, double gsd_m,
+                     int crops_mb = 300);
 
 /// What OrthoPhoto::thumbnail is made with.
 cv::Mat orthoThumbnail(const cv::Mat& photo);

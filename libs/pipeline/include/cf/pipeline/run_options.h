@@ -74,7 +74,8 @@ struct ViewOptions {
 
 /// [system]
 struct SystemOptions {
-  int threads = 0;  ///< 0 = one for each core
+  int threads = 0;        ///< 0 = one for each core
+  int max_memory_mb = 0;  ///< of the whole process; 0 = three quarters of the machine's
   void visit(OptionVisitor& v);
 };
 

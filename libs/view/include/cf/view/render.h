@@ -28,7 +28,9 @@ void writeScene(const SceneInputs& scene, const std::filesystem::path& file);
 
 /// The pictures of a finished run, into OUTDIR/snapshots (top, iso, front, height, octomap and one
 /// for each UAV), and OUTDIR/map.3Dscene. Returns the files written. The octomap view is left out
-/// when there is no octomap.ot.
-std::vector<std::filesystem::path> renderRun(const std::filesystem::path& outdir, ImageSize size);
+/// when there is no octomap.ot. `side_by_side`: several pictures are on their way at a time, which
+/// takes more memory.
+std::vector<std::filesystem::path> renderRun(const std::filesystem::path& outdir, ImageSize size,
+                                             bool side_by_side = true);
 
 }  // namespace cf
