@@ -3,6 +3,7 @@
 // report.html of a run, opened from its file in a browser without a display or network.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <regex>
 
@@ -58,9 +59,10 @@ TEST_F(ReportPage, TheRunHasRecordedWhatItShows) {
   EXPECT_GT(record_.cloud.points().size(), 1000u);
   EXPECT_EQ(record_.latencies.size(), 15u);
   EXPECT_EQ(record_.uavs[0].fixes.size(), 5u);
-  for (const SelfCheck& check : record_.self_check)
-    if (check.name == "photos" || check.name == "seam")
-      EXPECT_EQ(check.grade, Grade::kGreen) << check.finding;
+  for (const SelfCheck& check : record_.self_check) {
+    if (check.name != "photos" && check.name != "seam") continue;
+    EXPECT_EQ(check.grade, Grade::kGreen) << check.finding;
+  }
 }
 
 TEST_F(ReportPage, OpensInABrowserWithoutAnErrorAndDrawsIn3D) {
@@ -76,12 +78,13 @@ TEST_F(ReportPage, OpensInABrowserWithoutAnErrorAndDrawsIn3D) {
       out);
   ASSERT_EQ(browser.wait(), 0) << support::fileText(out);
   const std::string page = support::fileText(out);
-  std::smatch said;
-  const std::regex console("[^\n]*CONSOLE[^\n]*");
-  EXPECT_FALSE(std::regex_search(page, said, console)) << said.str();
-  const std::regex drawn("data-drawn=\"([0-9.]+)\"");
-  ASSERT_TRUE(std::regex_search(page, said, drawn)) << "the 3D view has not been drawn";
-  EXPECT_GT(std::stod(said[1]), 0.02) << "share of the view that something is drawn in";
+  const std::size_t said = page.find(":CONSOLE");
+  EXPECT_EQ(said, std::string::npos) << page.substr(std::min(said, page.size()), 300);
+  const std::string drawn = "data-drawn=\"";
+  const std::size_t at = page.find(drawn);
+  ASSERT_NE(at, std::string::npos) << "the 3D view has not been drawn";
+  EXPECT_GT(std::stod(page.substr(at + drawn.size(), 12)), 0.02)
+      << "share of the view that something is drawn in";
 }
 
 }  // namespace
