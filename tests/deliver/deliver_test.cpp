@@ -3,169 +3,21 @@
 #include "cf/deliver/deliver.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cmath>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <sstream>
 
 #include "cf/base/error.h"
-#include "cf/base/log.h"
 #include "cf/deliver/hand_over.h"
 #include "cf/formats/csv.h"
 #include "cf/formats/ply.h"
 #include "cf/formats/pose_covariance_csv.h"
 #include "cf/formats/tum.h"
 #include "cf/geodesy/local_frame.h"
+#include "delivered_run.h"
 
 namespace cf {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr TimeNs kStart = 1466699519'123456789;
-
-Eigen::Isometry3d poseAt(double x, double y, double z) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = (Eigen::AngleAxisd(0.3 + 0.01 * x, Eigen::Vector3d::UnitZ()) *
-                Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))
-                   .toRotationMatrix();
-  T.translation() << x, y, z;
-  return T;
-}
-
-UavRecord makeUav(const std::string& name, double north) {
-  UavRecord uav;
-  uav.name = name;
-  for (int i = 0; i < 4; ++i) {
-    PhotoRecord photo;
-    photo.name = "DJI_000" + std::to_string(i) + ".JPG";
-    photo.time = kStart + i * kNsPerSecond;
-    photo.status = PhotoStatus::kPosed;
-    photo.segment = 0;
-    photo.keypoints = 2000 + i;
-    photo.matches = 500 + i;
-    photo.inliers = 300 + i;
-    uav.photos.push_back(photo);
-  }
-  uav.photos[2].status = PhotoStatus::kDamaged;
-  uav.photos[2].segment = -1;
-  uav.photos[2].reason = "cannot be decoded: truncated, \"premature end\"";
-  for (const std::uint32_t i : {0U, 1U, 3U}) {
-    uav.final_trajectory.push_back({i, poseAt(8.0 * i + 0.123456, north, 60)});
-    uav.online_trajectory.push_back({i, poseAt(8.0 * i + 1, north, 61)});
-  }
-  CameraModel camera;
-  camera.width = 4000;
-  camera.height = 3000;
-  camera.fx = camera.fy = 2300.25;
-  camera.cx = 1999.5;
-  camera.cy = 1499.5;
-  camera.focal_sigma = 115;
-  uav.camera_before = camera;
-  camera.fx = camera.fy = 2345.678901;
-  camera.k1 = -0.0123456789;
-  camera.focal_sigma = 3.5;
-  uav.camera_after = camera;
-  uav.scale_history = {{kStart, 0, 11.0, 2.0}, {kStart + 3 * kNsPerSecond, 0, 12.5, 0.25}};
-  uav.gnss.sigma_m = {0.5, 0.6, 1.5};
-  uav.gnss.bias_m = {0.1, -0.2, 3.0};
-  uav.gnss.trusted = true;
-  uav.segments = 1;
-  uav.pose_graph = "VERTEX3 0 1 2 3 0 0 0\n";
-  return uav;
-}
-
-RunRecord makeRun() {
-  RunRecord run;
-  run.version = "0.1.0";
-  run.world.latitude_deg = 46.8426070833333;
-  run.world.longitude_deg = -91.9945598888889;
-  run.world.height_m = 198.309;
-  run.world.h_datum = HeightDatum::kEllipsoid;
-  run.world.utm = "15N";
-  run.world.center = "east";
-  run.uavs = {makeUav("east", 0), makeUav("west & <2>", 20)};
-  RelativePose r;
-  r.a = {0, 1};
-  r.b = {1, 3};
-  r.inliers = 77;
-  r.T_a_b = poseAt(1.25, -2.5, 0.75);
-  r.sigma << 0.1, 0.2, 0.3, 0.01, 0.02, 0.03;
-  r.residual_before = 2.5;
-  r.residual_after = 0.05;
-  run.relative_poses = {r};
-  SparsePoint point;
-  point.position_m = {1.5, 2.5, -60};
-  point.bgr[0] = 10;
-  point.bgr[1] = 20;
-  point.bgr[2] = 30;
-  run.sparse_points = {point};
-  run.stages["odometry"] = {4.0, 8.0};
-  for (std::uint32_t i = 100; i >= 1; --i) run.latencies.push_back({{0, i}, 0, 0.01 * i});
-  run.bytes_over_seam = 123456789012;
-  run.wall_s = 12.5;
-  run.peak_rss_mb = 800;
-  run.components = 1;
-  run.warnings = {Warning("a warning with <angle> brackets", "an <advice>")};
-  return run;
-}
-
-std::string textOf(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-std::string firstLine(const fs::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  std::getline(in, line);
-  if (!line.empty() && line.back() == '\r') line.pop_back();
-  return line;
-}
-
-// Every tag closed in order; attributes and text free of raw < and &.
-bool wellFormed(const std::string& xml, std::set<std::string> void_tags = {}) {
-  std::vector<std::string> open;
-  for (std::size_t i = 0; i < xml.size(); ++i) {
-    if (xml[i] == '&') {
-      const auto end = xml.find(';', i);
-      if (end == std::string::npos || end - i > 6) return false;
-    }
-    if (xml[i] != '<') continue;
-    const auto end = xml.find('>', i);
-    if (end == std::string::npos) return false;
-    const std::string tag = xml.substr(i + 1, end - i - 1);
-    if (tag.empty() || tag.find('<') != std::string::npos) return false;
-    i = end;
-    if (tag.front() == '?' || tag.front() == '!' || tag.back() == '/') continue;
-    const std::string name = tag.substr(0, tag.find_first_of(" \n"));
-    if (void_tags.count(name)) continue;
-    if (tag.front() != '/') {
-      open.push_back(name);
-    } else {
-      if (open.empty() || "/" + open.back() != name) return false;
-      open.pop_back();
-    }
-  }
-  return open.empty();
-}
-
-class Deliver : public ::testing::Test {
- protected:
-  void SetUp() override {
-    setLogQuiet(true);
-    dir_ = fs::temp_directory_path() / ("cf_deliver_" + std::to_string(getpid()));
-    fs::remove_all(dir_);
-  }
-  void TearDown() override { fs::remove_all(dir_); }
-  fs::path dir_;
-};
 
 TEST_F(Deliver, EveryFileOfTheContractIsThere) {
   deliver(makeRun(), dir_);
@@ -408,78 +260,6 @@ TEST_F(Deliver, CamerasHoldBothCalibrations) {
   EXPECT_GT(ini.find("focal_sigma = 115"), before);
 }
 
-TEST_F(Deliver, ReportHoldsWhatTheContractNames) {
-  RunRecord run = makeRun();
-  run.uavs[1].gnss.sigma_m.z() = std::numeric_limits<double>::quiet_NaN();
-  run.uavs[1].scale_history.clear();
-  writeReportJson(run, dir_);
-  const auto report = nlohmann::json::parse(textOf(dir_ / "report.json"));
-  EXPECT_EQ(report["version"], "0.1.0");
-  EXPECT_EQ(report["wall_s"], 12.5);
-  EXPECT_EQ(report["peak_rss_mb"], 800);
-  EXPECT_EQ(report["photos"]["total"], 8);
-  EXPECT_EQ(report["photos"]["posed"], 6);
-  EXPECT_EQ(report["components"], 1);
-  EXPECT_EQ(report["bytes_over_seam"], 123456789012);
-  EXPECT_EQ(report["stages"]["odometry"]["wall_s"], 4.0);
-  EXPECT_EQ(report["stages"]["odometry"]["cpu_s"], 8.0);
-  EXPECT_NEAR(report["latency_s"]["p50"].get<double>(), 0.50, 1e-12);
-  EXPECT_NEAR(report["latency_s"]["p95"].get<double>(), 0.95, 1e-12);
-  EXPECT_NEAR(report["latency_s"]["max"].get<double>(), 1.00, 1e-12);
-  const auto& uav = report["uavs"]["east"];
-  EXPECT_EQ(uav["photos"], 4);
-  EXPECT_EQ(uav["posed"], 3);
-  EXPECT_EQ(uav["segments"], 1);
-  EXPECT_EQ(uav["scale"], 12.5);
-  EXPECT_EQ(uav["scale_sigma"], 0.25);
-  EXPECT_EQ(uav["gnss_sigma_m"], (nlohmann::json{0.5, 0.6, 1.5}));
-  EXPECT_EQ(uav["gnss_bias_m"], (nlohmann::json{0.1, -0.2, 3.0}));
-  EXPECT_EQ(uav["gnss_trusted"], true);
-  EXPECT_TRUE(report["uavs"]["west & <2>"]["scale"].is_null());
-  EXPECT_TRUE(report["uavs"]["west & <2>"]["gnss_sigma_m"][2].is_null());
-  EXPECT_EQ(report["warnings"], (nlohmann::json::array({"a warning with <angle> brackets"})));
-}
-
-TEST_F(Deliver, GroundPointsAreInBothReports) {
-  RunRecord run = makeRun();
-  GroundControlRecord& ground = run.ground_control.emplace();
-  ground.file = "gcp_list.txt";
-  ground.missing["far"] = "the rays are parallel";
-  writeReportJson(run, dir_);
-  auto found = nlohmann::json::parse(textOf(dir_ / "report.json"))["ground_control"];
-  EXPECT_EQ(found["points"], 1);
-  EXPECT_EQ(found["triangulated"], 0);
-  EXPECT_TRUE(found["difference_m"].is_null());
-  EXPECT_EQ(found["missing"]["far"], "the rays are parallel");
-
-  GroundPointRecord point;
-  point.name = "<a>";
-  point.marks = 4;
-  point.rms_px = 0.5;
-  point.difference_m = {3, 4, 12};
-  ground.points.push_back(point);
-  point.difference_m = {3, 4, -12};
-  point.left_out_m = Eigen::Vector3d(0, 0, 2);
-  ground.points.push_back(point);
-  ground.moved = MapMotion{{1, 2, 40}, 0.25, 1.01};
-  writeReportJson(run, dir_);
-  found = nlohmann::json::parse(textOf(dir_ / "report.json"))["ground_control"];
-  EXPECT_EQ(found["use"], "control");
-  EXPECT_NEAR(found["difference_m"]["rms"].get<double>(), 13, 1e-12);
-  EXPECT_NEAR(found["difference_m"]["horizontal_rms"].get<double>(), 5, 1e-12);
-  EXPECT_NEAR(found["difference_m"]["vertical_rms"].get<double>(), 12, 1e-12);
-  EXPECT_EQ(found["difference_m"]["mean"], (nlohmann::json{3.0, 4.0, 0.0}));
-  EXPECT_EQ(found["left_out_difference_m"]["vertical_rms"], 2.0);
-  EXPECT_EQ(found["moved"]["shift_m"], (nlohmann::json{1.0, 2.0, 40.0}));
-  EXPECT_EQ(found["per_point"][1]["left_out_difference_m"], (nlohmann::json{0.0, 0.0, 2.0}));
-  writeReportHtml(run, dir_);
-  const std::string html = textOf(dir_ / "report.html");
-  EXPECT_TRUE(wellFormed(html, {"meta", "img"}));
-  EXPECT_NE(html.find("&lt;a&gt;"), std::string::npos);
-  EXPECT_NE(html.find("2 of 3 triangulated; RMS 5.000 m horizontally, 12.000 m vertically"),
-            std::string::npos);
-}
-
 TEST_F(Deliver, WorldAndSparsePoints) {
   const RunRecord run = makeRun();
   writeWorldJson(run, dir_);
@@ -498,17 +278,6 @@ TEST_F(Deliver, WorldAndSparsePoints) {
   EXPECT_EQ(points[0].rgb, (std::array<std::uint8_t, 3>{30, 20, 10}));
 }
 
-TEST_F(Deliver, ReportPageIsSelfContainedAndWellFormed) {
-  writeReportHtml(makeRun(), dir_);
-  const std::string html = textOf(dir_ / "report.html");
-  EXPECT_TRUE(wellFormed(html, {"meta", "img"}));
-  EXPECT_EQ(html.find("src=\"http"), std::string::npos);
-  EXPECT_NE(html.find("a warning with &lt;angle&gt; brackets"), std::string::npos);
-  EXPECT_NE(html.find("DJI_0002.JPG"), std::string::npos);  // lost, with its reason
-  EXPECT_NE(html.find("premature end"), std::string::npos);
-  EXPECT_NE(html.find("<svg"), std::string::npos);
-}
-
 TEST_F(Deliver, ARelativeMapSaysSoAndHasNoGeographicFiles) {
   RunRecord run = makeRun();
   run.world.relative = true;
@@ -524,14 +293,6 @@ TEST_F(Deliver, ARelativeMapSaysSoAndHasNoGeographicFiles) {
   const auto report = nlohmann::json::parse(textOf(dir_ / "report.json"));
   ASSERT_EQ(report["warnings"].size(), 2U);
   EXPECT_NE(report["warnings"][1].get<std::string>().find("relative"), std::string::npos);
-}
-
-TEST_F(Deliver, HeightsOfUnknownDatumAreSaid) {
-  RunRecord run = makeRun();
-  run.world.h_datum = HeightDatum::kUnknown;
-  EXPECT_EQ(allWarnings(run).size(), 2U);
-  run.world.h_datum = HeightDatum::kEllipsoid;
-  EXPECT_EQ(allWarnings(run).size(), 1U);
 }
 
 TEST_F(Deliver, AFolderThatCannotBeMadeIsNamed) {
