@@ -93,6 +93,18 @@ TEST(SelfCheck, APredictedBendCountsWithoutGnss) {
   EXPECT_EQ(checksOf(run).at("doming").grade, Grade::kAmber) << "nothing tells";
 }
 
+TEST(SelfCheck, ABendThatReceiversAreTooNoisyToTellIsAmberWithAdvice) {
+  RunRecord run = RecordedFlight().record();
+  for (UavRecord& uav : run.uavs) {
+    uav.covariances.clear();
+    double sign = 30;
+    for (auto& [photo, fix] : uav.fixes) fix.position_m.z() += (sign = -sign);
+  }
+  const SelfCheck check = checksOf(run).at("doming");
+  EXPECT_EQ(check.grade, Grade::kAmber);
+  EXPECT_FALSE(check.advice.empty());
+}
+
 TEST(SelfCheck, ALensThatDoesNotFitLeavesAPattern) {
   RecordedFlight flight;
   flight.seen_by.k1 = 0.01;

@@ -30,7 +30,6 @@ SelfCheck graded(SelfCheck check) {
   check.grade = value <= sign * check.green   ? Grade::kGreen
                 : value <= sign * check.amber ? Grade::kAmber
                                               : Grade::kRed;
-  if (check.grade == Grade::kGreen) check.advice.clear();
   return check;
 }
 
@@ -250,8 +249,12 @@ const char* name(Grade grade) {
 
 std::vector<SelfCheck> selfCheck(const RunRecord& run) {
   const double pixel_m = groundPixel(run);
-  return {photosCheck(run), seamCheck(run, pixel_m), domingCheck(run, pixel_m),
-          lensCheck(run),   gnssCheck(run),          depthCheck(run)};
+  std::vector<SelfCheck> checks = {
+      photosCheck(run), seamCheck(run, pixel_m), domingCheck(run, pixel_m),
+      lensCheck(run),   gnssCheck(run),          depthCheck(run)};
+  for (SelfCheck& check : checks)
+    if (check.grade == Grade::kGreen) check.advice.clear();
+  return checks;
 }
 
 std::vector<std::string> doubts(const std::vector<SelfCheck>& checks) {
