@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "cf/base/error.h"
+#include "support/message_of.h"
 #include "support/temp_folder.h"
 
 namespace cf {
@@ -15,15 +16,6 @@ class CameraIni : public ::testing::Test {
   CameraModel camera(const std::string& text) {
     support::writeText(path_, text);
     return readCameraIni(path_);
-  }
-  template <class Function>
-  std::string usageError(Function function) {
-    try {
-      function();
-    } catch (const UsageError& e) {
-      return e.what();
-    }
-    return "no error";
   }
 
   support::TempFolder folder_;
@@ -45,16 +37,22 @@ TEST_F(CameraIni, ReadsWhatIsGivenAndFillsTheRest) {
 }
 
 TEST_F(CameraIni, ErrorsNameTheKey) {
-  EXPECT_NE(usageError([&] { camera("[camera]\nwidth=4\nheight=3\n"); }).find("needs fx"),
+  EXPECT_NE(support::messageOf<UsageError>([&] {
+              camera("[camera]\nwidth=4\nheight=3\n");
+            }).find("needs fx"),
             std::string::npos);
-  EXPECT_NE(usageError([&] {
+  EXPECT_NE(support::messageOf<UsageError>([&] {
               camera("[camera]\nwidth=4\nheight=3\nfx=4\nfocal=3\n");
             }).find("no key focal"),
             std::string::npos);
-  EXPECT_NE(usageError([&] { camera("[camera]\nwidth=4x\n"); }).find("camera.ini:2"),
+  EXPECT_NE(
+      support::messageOf<UsageError>([&] { camera("[camera]\nwidth=4x\n"); }).find("camera.ini:2"),
+      std::string::npos);
+  EXPECT_NE(support::messageOf<UsageError>([&] { camera(""); }).find("needs width"),
             std::string::npos);
-  EXPECT_NE(usageError([&] { camera(""); }).find("needs width"), std::string::npos);
-  EXPECT_NE(usageError([&] { camera("[camera]\nwidth=4.5\n"); }).find("width = 4.5 is not a whole"),
+  EXPECT_NE(support::messageOf<UsageError>([&] {
+              camera("[camera]\nwidth=4.5\n");
+            }).find("width = 4.5 is not a whole"),
             std::string::npos);
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "cf/base/error.h"
+#include "support/message_of.h"
 #include "support/temp_folder.h"
 
 namespace cf {
@@ -17,12 +18,7 @@ class GcpListFile : public ::testing::Test {
     return readGcpList(path_);
   }
   std::string errorOf(const std::string& text) {
-    try {
-      static_cast<void>(read(text));
-    } catch (const UsageError& e) {
-      return e.what();
-    }
-    return "no error";
+    return support::messageOf<UsageError>([&] { read(text); });
   }
   support::TempFolder folder_;
   const std::filesystem::path path_ = folder_ / "gcp_list.txt";

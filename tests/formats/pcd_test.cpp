@@ -8,6 +8,7 @@
 #include <string>
 
 #include "cf/base/error.h"
+#include "support/message_of.h"
 #include "support/temp_folder.h"
 
 namespace cf {
@@ -97,12 +98,7 @@ TEST_F(Pcd, BadFilesAreNamed) {
   const fs::path file = folder_ / "bad.pcd";
   const auto messageOf = [&](const std::string& bytes) -> std::string {
     support::writeText(file, bytes);
-    try {
-      readPcd(file);
-    } catch (const RunError& error) {
-      return error.what();
-    }
-    return "no error";
+    return support::messageOf<RunError>([&] { readPcd(file); });
   };
   writePcd(file, twoPoints());
   const std::string good = support::fileText(file);

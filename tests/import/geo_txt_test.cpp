@@ -6,6 +6,7 @@
 
 #include "cf/base/error.h"
 #include "cf/geodesy/utm.h"
+#include "support/message_of.h"
 #include "support/temp_folder.h"
 
 namespace cf {
@@ -16,15 +17,6 @@ class GeoTxt : public ::testing::Test {
   GeoFile geo(const std::string& text) {
     support::writeText(path_, text);
     return readGeoTxt(path_);
-  }
-  template <class Function>
-  std::string usageError(Function function) {
-    try {
-      function();
-    } catch (const UsageError& e) {
-      return e.what();
-    }
-    return "no error";
   }
   support::TempFolder folder_;
   const std::filesystem::path path_ = folder_ / "geo.txt";
@@ -65,15 +57,23 @@ TEST_F(GeoTxt, ReadsUtmByCodeAndByName) {
 }
 
 TEST_F(GeoTxt, ErrorsNameFileAndLine) {
-  EXPECT_NE(usageError([&] { geo("EPSG:3857\na 1 2 3\n"); }).find("geo.txt:1"), std::string::npos);
-  EXPECT_NE(usageError([&] { geo("EPSG:4326\na 1 2\n"); }).find("geo.txt:2"), std::string::npos);
-  EXPECT_NE(usageError([&] { geo("EPSG:4326\na 1 2x 3\n"); }).find("'2x'"), std::string::npos);
-  EXPECT_NE(usageError([&] { geo("EPSG:4326\na 1 2 3 0 1\n"); }).find("sigmas"), std::string::npos);
-  EXPECT_NE(usageError([&] { geo("EPSG:4326\na 46 -91.99 3\n"); }).find("in this order"),
+  EXPECT_NE(support::messageOf<UsageError>([&] { geo("EPSG:3857\na 1 2 3\n"); }).find("geo.txt:1"),
             std::string::npos);
-  EXPECT_NE(usageError([&] { geo("EPSG:4326\n"); }).find("names no photo"), std::string::npos);
-  EXPECT_NE(usageError([&] { readGeoTxt(folder_ / "none.txt"); }).find("none.txt"),
+  EXPECT_NE(support::messageOf<UsageError>([&] { geo("EPSG:4326\na 1 2\n"); }).find("geo.txt:2"),
             std::string::npos);
+  EXPECT_NE(support::messageOf<UsageError>([&] { geo("EPSG:4326\na 1 2x 3\n"); }).find("'2x'"),
+            std::string::npos);
+  EXPECT_NE(support::messageOf<UsageError>([&] { geo("EPSG:4326\na 1 2 3 0 1\n"); }).find("sigmas"),
+            std::string::npos);
+  EXPECT_NE(support::messageOf<UsageError>([&] {
+              geo("EPSG:4326\na 46 -91.99 3\n");
+            }).find("in this order"),
+            std::string::npos);
+  EXPECT_NE(support::messageOf<UsageError>([&] { geo("EPSG:4326\n"); }).find("names no photo"),
+            std::string::npos);
+  EXPECT_NE(
+      support::messageOf<UsageError>([&] { readGeoTxt(folder_ / "none.txt"); }).find("none.txt"),
+      std::string::npos);
 }
 
 }  // namespace
