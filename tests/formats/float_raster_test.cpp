@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "cf/base/error.h"
+#include "support/message_of.h"
 #include "support/temp_folder.h"
 
 namespace cf {
@@ -59,12 +60,7 @@ TEST(FloatRaster, PartOfALargerMatrixAndNothingElse) {
 
 std::string runError(void (*body)(const std::filesystem::path&),
                      const std::filesystem::path& path) {
-  try {
-    body(path);
-  } catch (const RunError& e) {
-    return e.what();
-  }
-  return "no error";
+  return support::messageOf<RunError>([&] { body(path); });
 }
 
 TEST(FloatRaster, FaultsAreOneLineThatNamesTheFile) {
